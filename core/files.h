@@ -1,0 +1,25 @@
+// Files are written whole or not at all: beside the target, then renamed over it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace atlas::core {
+
+/// Writes `content` to `path`, creating parent folders. @throws InputError naming the path when that fails; a
+/// file that was there before is then untouched.
+void WriteFileAtomically(const std::filesystem::path& path, std::string_view content);
+
+/// The whole file. @throws InputError "PATH: no such file" or the like.
+std::string ReadFile(const std::filesystem::path& path);
+
+/// A file of the installation, such as "robots/quadruped.xml": below $ATLAS_HOME where set, else below the
+/// source tree. @throws InputError when it is missing.
+std::filesystem::path InstalledFile(const std::filesystem::path& relative);
+
+/// Where results that are costly to recompute are kept (attainable coverage): $ATLAS_CACHE, else `.cache` below
+/// the installation. Safe to delete.
+std::filesystem::path CacheDirectory();
+
+}  // namespace atlas::core

@@ -1,0 +1,44 @@
+// Information gains: what a view is expected to teach (thesis 3.4.1, PLANNERS.md).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mapping/occupancy_view.h"
+
+namespace atlas::planner {
+
+/// Laws that a gain declares; tests/laws holds every catalogue entry to its own.
+struct GainLaws {
+  bool zero_on_certain_rays = true;        ///< occupancy 0 or 1 everywhere
+  bool independent_of_voxel_size = false;  ///< length-normalised gains only
+  bool at_most_occlusion_aware = false;
+};
+
+/// Sees one view, ray by ray; per-ray sums, per-view ratios and unions over rays all fit. One instance a thread.
+class Gain {
+ public:
+  virtual ~Gain() = default;
+  virtual void BeginView() = 0;
+  /// The voxels of one ray up to its end. `weight` is how many sensor rays this one stands for.
+  virtual void AddRay(std::span<const mapping::RaySample> samples, mapping::RayEnd end, double weight) = 0;
+  /// @return the view's gain: finite, >= 0.
+  virtual double FinishView() = 0;
+};
+
+struct GainEntry {
+  std::string name;
+  std::string doc;  ///< one line with its source
+  GainLaws laws;
+  std::unique_ptr<Gain> (*build)(double resolution_m);
+};
+const std::vector<GainEntry>& GainCatalog();
+/// @throws InputError for an unknown name, suggesting the near one.
+const GainEntry& FindGain(const std::string& name);
+
+/// H(p) = -p ln p - (1 - p) ln(1 - p), nats; 0 at 0 and 1 (thesis Eq. 3.3).
+double Entropy(double p);
+
+}  // namespace atlas::planner

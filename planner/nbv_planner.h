@@ -1,0 +1,106 @@
+// Next-Best-View planning: candidates, gains, costs, utility, path (thesis 3.4, 3.5).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/lidar_model.h"
+#include "core/params.h"
+#include "core/rng.h"
+#include "mapping/occupancy_view.h"
+#include "planner/terrain/elevation_map.h"
+
+namespace atlas::planner {
+
+struct NbvParams {
+  std::string name = "greedy";  ///< thesis | greedy
+  std::string gain = "occlusion_aware_normalised";
+  std::vector<std::string> extra_gains;  ///< also computed and logged for every candidate, from the same rays
+  int nodes = 150;
+  double window_m = 12.0;
+  double rrt_step_m = 0.6;
+  int headings = 8;
+  int rays = 6000;               ///< per candidate inside the object box, at least
+  double max_range_m = 20.0;
+  // Position cost (Eq. 3.7) as two terms; the maximum of both equals the thesis's at equal thresholds.
+  bool visited_cost = true;
+  double visited_threshold_m = 2.0;
+  bool too_close_cost = true;
+  double too_close_threshold_m = 1.5;
+  double behind_penalty = 0.2;  ///< constant traversal cost for candidates behind the robot
+  std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
+  double time_scale_s = 60.0;   ///< continuous: travel of this long costs 1 - 1/e
+  // Termination, Eq. 3.8 made scale-free.
+  double stop_ratio = 0.05;     ///< of the first view's utility
+  int stop_rounds = 2;          ///< low rounds in a row
+  double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
+  int blacklist_after = 2;      ///< views that gained nothing here so often are dropped
+  int rrt_star_iterations = 2000;
+  TerrainParams terrain;
+  void Visit(core::ParamVisitor& v);
+};
+
+/// How a sweep sees from a base pose.
+struct SweepSensorModel {
+  core::LidarModel lidar;
+  core::Pose T_base_lidar = core::Pose::Identity();
+  double base_height_m = 0.44;  ///< above ground
+  double roll_rad = 0.7;        ///< sweep from +roll to -roll
+};
+
+enum class LossReason { kChosen, kLowerUtility, kBlacklisted, kUnreachable, kNoGain };
+
+/// A viewpoint candidate x = (x, y, yaw) with all that decided about it; tables, plots and video recompute
+/// nothing.
+struct Candidate {
+  core::Vec2 p_map = core::Vec2::Zero();
+  double yaw_rad = 0.0;
+  double ground_m = 0.0;
+  int node = -1;                  ///< RRT node it stands on
+  double path_length_m = 0.0;     ///< along the tree
+  double gain = 0.0;              ///< g_x of the deciding gain
+  std::vector<double> extra_gains;
+  double gain_void = 0.0, gain_ground = 0.0, gain_object = 0.0;  ///< the deciding gain split by where its rays end
+  double visited_cost = 0.0, too_close_cost = 0.0, position_cost = 0.0, traversal_cost = 0.0;
+  double utility = 0.0;  ///< Eq. 3.1
+  LossReason reason = LossReason::kLowerUtility;
+};
+
+enum class NbvOutcome { kView, kGainExhausted, kNoCandidates, kNoPath };
+
+struct NbvDecision {
+  NbvOutcome outcome = NbvOutcome::kNoCandidates;
+  std::vector<Candidate> candidates;
+  int best = -1;  ///< index into candidates
+  int nodes_obtained = 0;
+  int attempts = 0;
+  size_t rays_traced = 0;
+  double utility_ratio = 0.0;  ///< best over the first view's
+  std::vector<core::Vec2> path_map;  ///< from the robot to the view (RRT*)
+  double path_length_m = 0.0;
+};
+
+class NbvPlanner {
+ public:
+  virtual ~NbvPlanner() = default;
+  /// Tells the planner that a sweep was taken at this base pose, and the share of ground-truth-free progress:
+  /// `new_surface` = newly occupied voxels, so that views that promise and do not deliver are blacklisted.
+  virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
+  virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::OccupancyView& map,
+                           const ElevationMap& terrain) = 0;
+};
+
+struct PlannerEntry {
+  std::string name;
+  std::string doc;
+};
+const std::vector<PlannerEntry>& PlannerCatalog();
+
+/// @throws InputError for an unknown planner or gain.
+std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const robots::RobotSpec& robot,
+                                           const SweepSensorModel& sensor, const core::Box3& object_box,
+                                           int threads, const core::Rng& rng);
+
+}  // namespace atlas::planner

@@ -1,0 +1,79 @@
+// Robot-centric elevation map from LiDAR spins and depth images, and the traversability that follows from it.
+//
+// Frame: map (z up). The window moves with the robot; a cell keeps the lowest and highest supporting surface,
+// their support, and the clearance above it, so that a grating is not read as the floor below and an overhang is
+// not read as ground.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/params.h"
+#include "core/sensor_events.h"
+#include "core/terrain_view.h"
+#include "robots/robot_spec.h"
+
+namespace atlas::planner {
+
+struct TerrainParams {
+  double cell_m = 0.04;
+  double window_m = 12.0;           ///< side of the square window that planning may use
+  double max_fill_m = 0.30;         ///< holes wider than this stay holes
+  double critical_step_m = 0.12;    ///< higher steps are not traversable
+  double critical_slope_deg = 22.0;
+  double critical_roughness_m = 0.06;
+  double negative_obstacle_m = 0.25;  ///< a drop deeper than this is an edge
+  double edge_clearance_m = 0.10;     ///< of the footprint's rim from an edge or a hole
+  double min_traversability = 0.25;
+  void Visit(core::ParamVisitor& v);
+};
+
+class ElevationMap : public core::SensorSink, public core::TerrainView {
+ public:
+  ElevationMap(const TerrainParams& params, const robots::RobotSpec& robot);
+  ~ElevationMap() override;
+
+  /// The robot stands at `T_map_base` on solid ground: the blind footprint starts as that ground.
+  void InitialiseUnderRobot(const core::Pose& T_map_base);
+
+  void OnState(const core::StateEvent& event) override;
+  void OnSpin(const core::SpinEvent& event) override;
+  void OnDepth(const core::DepthEvent& event) override;
+
+  /// Recomputes heights filled, slope, step, roughness, holes and traversability. Call before querying after
+  /// new events; queries see the last update.
+  void Update();
+
+  Ground At(double x_map, double y_map) const override;
+
+  /// Traversability of the cell in [0, 1] (1 = flat, solid); 0 where unknown, an edge, or blocked.
+  double Traversability(const core::Vec2& p_map) const;
+  /// Whether the robot's footprint at this pose rests wholly on traversable cells with headroom.
+  bool FootprintFree(const core::Vec2& p_map, double yaw_rad) const;
+  /// As above for any heading (circle of the footprint's radius).
+  bool CircleFree(const core::Vec2& p_map) const;
+  /// Mean height, slope (radians) and roughness (metres) under the footprint.
+  struct Surface {
+    double height_m = 0.0, slope_rad = 0.0, roughness_m = 0.0;
+  };
+  Surface SurfaceAt(const core::Vec2& p_map) const;
+
+  /// Square that planning may use: centred on the robot, side window_m.
+  core::Box3 Window() const;
+
+  /// For pictures and logs: a row-major grid over Window(), NaN where unknown.
+  struct Grid {
+    int rows = 0, cols = 0;
+    double cell_m = 0.0;
+    core::Vec2 origin = core::Vec2::Zero();
+    std::vector<float> height_m, traversability;
+  };
+  Grid Export() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace atlas::planner
