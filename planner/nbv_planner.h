@@ -11,6 +11,7 @@
 #include "core/rng.h"
 #include "mapping/occupancy_view.h"
 #include "planner/terrain/elevation_map.h"
+#include "planner/traversable_ground.h"
 
 namespace atlas::planner {
 
@@ -89,7 +90,7 @@ class NbvPlanner {
   /// `new_surface` = newly occupied voxels, so that views that promise and do not deliver are blacklisted.
   virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
   virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::OccupancyView& map,
-                           const ElevationMap& terrain) = 0;
+                           const TraversableGround& terrain) = 0;
 };
 
 struct PlannerEntry {

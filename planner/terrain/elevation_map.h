@@ -12,6 +12,7 @@
 #include "core/params.h"
 #include "core/sensor_events.h"
 #include "core/terrain_view.h"
+#include "planner/traversable_ground.h"
 #include "robots/robot_spec.h"
 
 namespace atlas::planner {
@@ -29,7 +30,7 @@ struct TerrainParams {
   void Visit(core::ParamVisitor& v);
 };
 
-class ElevationMap : public core::SensorSink, public core::TerrainView {
+class ElevationMap : public core::SensorSink, public core::TerrainView, public TraversableGround {
  public:
   ElevationMap(const TerrainParams& params, const robots::RobotSpec& robot);
   ~ElevationMap() override;
@@ -47,20 +48,12 @@ class ElevationMap : public core::SensorSink, public core::TerrainView {
 
   Ground At(double x_map, double y_map) const override;
 
-  /// Traversability of the cell in [0, 1] (1 = flat, solid); 0 where unknown, an edge, or blocked.
-  double Traversability(const core::Vec2& p_map) const;
-  /// Whether the robot's footprint at this pose rests wholly on traversable cells with headroom.
-  bool FootprintFree(const core::Vec2& p_map, double yaw_rad) const;
-  /// As above for any heading (circle of the footprint's radius).
-  bool CircleFree(const core::Vec2& p_map) const;
-  /// Mean height, slope (radians) and roughness (metres) under the footprint.
-  struct Surface {
-    double height_m = 0.0, slope_rad = 0.0, roughness_m = 0.0;
-  };
-  Surface SurfaceAt(const core::Vec2& p_map) const;
-
-  /// Square that planning may use: centred on the robot, side window_m.
-  core::Box3 Window() const;
+  using Surface = TraversableGround::Surface;
+  double Traversability(const core::Vec2& p_map) const override;
+  bool FootprintFree(const core::Vec2& p_map, double yaw_rad) const override;
+  bool CircleFree(const core::Vec2& p_map) const override;
+  Surface SurfaceAt(const core::Vec2& p_map) const override;
+  core::Box3 Window() const override;
 
   /// For pictures and logs: a row-major grid over Window(), NaN where unknown.
   struct Grid {
