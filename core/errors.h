@@ -9,14 +9,15 @@
 
 namespace atlas::core {
 
-/// Bad input from a user: config, scene, robot, scan, map file or command line. `what()` is one line that names
-/// the file, the field, the value and the limit. The command line prints it and exits with code 2.
+/// Bad input from a user: config, scene, robot, scan, map file or command line. `what()` is one line that
+/// names the file, the field, the value and the limit. The command line prints it and exits with code 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// "unknown gain 'foo'; did you mean 'fog'? (valid: a, b, c)": the message for a name missing from a catalogue.
+/// "unknown gain 'foo'; did you mean 'fog'? (valid: a, b, c)": the message for a name missing from a
+/// catalogue.
 std::string UnknownName(std::string_view kind, std::string_view name, const std::vector<std::string>& valid);
 
 /// The entry of `valid` within a small edit distance of `name`, or "" when none is near.

@@ -47,7 +47,8 @@ void WriteFileAtomically(const fs::path& path, std::string_view content) {
 std::string ReadFile(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
-  if (fs::is_directory(path, error)) throw InputError(fmt::format("{}: is a folder, not a file", path.string()));
+  if (fs::is_directory(path, error))
+    throw InputError(fmt::format("{}: is a folder, not a file", path.string()));
   std::ifstream in(path, std::ios::binary);
   std::ostringstream buffer;
   buffer << in.rdbuf();
@@ -58,7 +59,8 @@ std::string ReadFile(const fs::path& path) {
 fs::path InstalledFile(const fs::path& relative) {
   const fs::path path = InstallRoot() / relative;
   std::error_code error;
-  if (!fs::exists(path, error)) throw InputError(fmt::format("{}: no such file in the installation", path.string()));
+  if (!fs::exists(path, error))
+    throw InputError(fmt::format("{}: no such file in the installation", path.string()));
   return path;
 }
 

@@ -18,8 +18,8 @@ std::string ReadFile(const std::filesystem::path& path);
 /// source tree. @throws InputError when it is missing.
 std::filesystem::path InstalledFile(const std::filesystem::path& relative);
 
-/// Where results that are costly to recompute are kept (attainable coverage): $ATLAS_CACHE, else `.cache` below
-/// the installation. Safe to delete.
+/// Where results that are costly to recompute are kept (attainable coverage): $ATLAS_CACHE, else `.cache`
+/// below the installation. Safe to delete.
 std::filesystem::path CacheDirectory();
 
 }  // namespace atlas::core

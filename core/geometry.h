@@ -20,11 +20,17 @@ using Mat3 = Eigen::Matrix3d;
 using Pose = Eigen::Isometry3d;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double Radians(double degrees) { return degrees * (kPi / 180.0); }
-constexpr double Degrees(double radians) { return radians * (180.0 / kPi); }
+constexpr double Radians(double degrees) {
+  return degrees * (kPi / 180.0);
+}
+constexpr double Degrees(double radians) {
+  return radians * (180.0 / kPi);
+}
 
 /// `angle_rad` wrapped to [-pi, pi].
-inline double WrapAngle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
+inline double WrapAngle(double angle_rad) {
+  return std::remainder(angle_rad, 2.0 * kPi);
+}
 
 /// Rotation by yaw (z), then pitch (y), then roll (x), in the intrinsic order.
 inline Mat3 RotationFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad) {
@@ -33,7 +39,9 @@ inline Mat3 RotationFromYawPitchRoll(double yaw_rad, double pitch_rad, double ro
       .toRotationMatrix();
 }
 
-inline double YawOf(const Mat3& R) { return std::atan2(R(1, 0), R(0, 0)); }
+inline double YawOf(const Mat3& R) {
+  return std::atan2(R(1, 0), R(0, 0));
+}
 
 inline Pose MakePose(const Mat3& R, const Vec3& t) {
   Pose T = Pose::Identity();
@@ -56,7 +64,9 @@ struct Box3 {
   Vec3 max = Vec3::Constant(-std::numeric_limits<double>::infinity());
 
   bool Empty() const { return (min.array() > max.array()).any(); }
-  bool Contains(const Vec3& p) const { return (p.array() >= min.array()).all() && (p.array() <= max.array()).all(); }
+  bool Contains(const Vec3& p) const {
+    return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
+  }
   Vec3 Size() const { return max - min; }
   Vec3 Center() const { return 0.5 * (min + max); }
   void Extend(const Vec3& p) {

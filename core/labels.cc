@@ -11,7 +11,9 @@ constexpr std::array<LabelInfo, kLabelCount> kLabels = {{
 
 }  // namespace
 
-const LabelInfo& InfoOf(Label label) { return kLabels[static_cast<size_t>(label) % kLabelCount]; }
+const LabelInfo& InfoOf(Label label) {
+  return kLabels[static_cast<size_t>(label) % kLabelCount];
+}
 
 std::optional<Label> LabelFromName(std::string_view name) {
   for (size_t i = 0; i < kLabelCount; ++i) {

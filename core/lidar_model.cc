@@ -57,7 +57,9 @@ LidarModel Os0() {
 
 }  // namespace
 
-std::vector<std::string> LidarModelNames() { return {"vlp16", "os1_64", "os0_64"}; }
+std::vector<std::string> LidarModelNames() {
+  return {"vlp16", "os1_64", "os0_64"};
+}
 
 LidarModel FindLidarModel(const std::string& name) {
   if (name == "vlp16") return Vlp16();

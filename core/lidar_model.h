@@ -6,8 +6,9 @@
 
 namespace atlas::core {
 
-/// One revolution is `columns` firings, each of all `beams`, spread evenly over 1 / spin_rate_hz seconds. Column
-/// c points at azimuth -2 pi c / columns (clockwise seen from above) in the LiDAR frame (x forward, z up).
+/// One revolution is `columns` firings, each of all `beams`, spread evenly over 1 / spin_rate_hz seconds.
+/// Column c points at azimuth -2 pi c / columns (clockwise seen from above) in the LiDAR frame (x forward, z
+/// up).
 struct LidarModel {
   std::string name;
   std::vector<double> elevation_rad;       ///< a row each, any order

@@ -38,7 +38,8 @@ Box3 TriMesh::Bounds() const {
 double TriMesh::AreaM2() const {
   double area = 0.0;
   for (const auto& t : triangles) {
-    const Vec3 a = vertices[t[0]].cast<double>(), b = vertices[t[1]].cast<double>(), c = vertices[t[2]].cast<double>();
+    const Vec3 a = vertices[t[0]].cast<double>(), b = vertices[t[1]].cast<double>(),
+               c = vertices[t[2]].cast<double>();
     area += 0.5 * (b - a).cross(c - a).norm();
   }
   return area;

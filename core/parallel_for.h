@@ -9,12 +9,13 @@
 
 namespace atlas::core {
 
-/// Calls `body(begin, end, worker)` on consecutive ranges that partition [0, count), one range a worker. `body`
-/// writes only to slots of its own range; whatever it reduces across ranges must not depend on the split. An
-/// exception in any range is rethrown here once all have ended.
+/// Calls `body(begin, end, worker)` on consecutive ranges that partition [0, count), one range a worker.
+/// `body` writes only to slots of its own range; whatever it reduces across ranges must not depend on the
+/// split. An exception in any range is rethrown here once all have ended.
 template <typename Body>
 void ParallelFor(int threads, size_t count, const Body& body) {
-  const size_t workers = std::clamp<size_t>(static_cast<size_t>(std::max(threads, 1)), 1, std::max<size_t>(count, 1));
+  const size_t workers =
+      std::clamp<size_t>(static_cast<size_t>(std::max(threads, 1)), 1, std::max<size_t>(count, 1));
   if (workers == 1) {
     if (count > 0) body(size_t{0}, count, size_t{0});
     return;

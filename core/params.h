@@ -4,11 +4,13 @@
 //   struct GridParams {
 //     double resolution_m = 0.05;
 //     void Visit(core::ParamVisitor& v) {
-//       v.Field("resolution_m", &resolution_m, {.unit = "m", .min = 0.01, .max = 1.0, .doc = "edge of a voxel"});
+//       v.Field("resolution_m", &resolution_m, {.unit = "m", .min = 0.01, .max = 1.0, .doc = "edge of a
+//       voxel"});
 //     }
 //   };
 //
-// A struct nests another with v.Section("grid", &grid). Keys ending `_deg` hold degrees in YAML and in the field.
+// A struct nests another with v.Section("grid", &grid). Keys ending `_deg` hold degrees in YAML and in the
+// field.
 #pragma once
 
 #include <filesystem>
@@ -67,7 +69,8 @@ class ParamSource {
   ParamSource(ParamSource&&) noexcept;
   ParamSource& operator=(ParamSource&&) noexcept;
 
-  /// Merges a file over what is here; its `extends: NAME` (a file beside it, or in `fallback_dir`) comes first.
+  /// Merges a file over what is here; its `extends: NAME` (a file beside it, or in `fallback_dir`) comes
+  /// first.
   /// @throws InputError for a missing file, malformed YAML (file, line) or a cycle of extends.
   void MergeFile(const std::filesystem::path& path, const std::filesystem::path& fallback_dir);
   /// Merges "a.b.c=value" from the command line. @throws InputError when it is not of that form.

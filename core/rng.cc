@@ -14,11 +14,17 @@ uint64_t SplitMix(uint64_t& state) {
   return z ^ (z >> 31);
 }
 
-double ToUnit(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1.0p-53; }
+double ToUnit(uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1.0p-53;
+}
 
-double BoxMuller(double u, double v) { return std::sqrt(-2.0 * std::log(1.0 - u)) * std::cos(2.0 * kPi * v); }
+double BoxMuller(double u, double v) {
+  return std::sqrt(-2.0 * std::log(1.0 - u)) * std::cos(2.0 * kPi * v);
+}
 
-uint64_t Rotl(uint64_t x, int k) { return (x << k) | (x >> (64 - k)); }
+uint64_t Rotl(uint64_t x, int k) {
+  return (x << k) | (x >> (64 - k));
+}
 
 }  // namespace
 
@@ -45,9 +51,15 @@ uint64_t Rng::Next() {
   return result;
 }
 
-double Rng::Uniform() { return ToUnit(Next()); }
-double Rng::Uniform(double lo, double hi) { return lo + (hi - lo) * Uniform(); }
-int Rng::UniformInt(int n) { return static_cast<int>(Next() % static_cast<uint64_t>(n)); }
+double Rng::Uniform() {
+  return ToUnit(Next());
+}
+double Rng::Uniform(double lo, double hi) {
+  return lo + (hi - lo) * Uniform();
+}
+int Rng::UniformInt(int n) {
+  return static_cast<int>(Next() % static_cast<uint64_t>(n));
+}
 double Rng::Normal() {
   const double u = Uniform(), v = Uniform();
   return BoxMuller(u, v);
@@ -57,7 +69,9 @@ uint64_t HashCounter(uint64_t seed, uint64_t index) {
   uint64_t state = seed ^ (index * 0xd1342543de82ef95ULL);
   return SplitMix(state);
 }
-double UniformAt(uint64_t seed, uint64_t index) { return ToUnit(HashCounter(seed, index)); }
+double UniformAt(uint64_t seed, uint64_t index) {
+  return ToUnit(HashCounter(seed, index));
+}
 double NormalAt(uint64_t seed, uint64_t index) {
   return BoxMuller(UniformAt(seed, 2 * index), UniformAt(seed, 2 * index + 1));
 }

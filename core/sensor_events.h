@@ -72,8 +72,8 @@ struct DepthEvent {
 
 struct StateEvent {
   double time_s = 0.0;
-  Pose T_odom_base = Pose::Identity();  ///< proprioceptive odometry
-  Pose T_map_odom = Pose::Identity();   ///< latest localisation
+  Pose T_odom_base = Pose::Identity();                                           ///< proprioceptive odometry
+  Pose T_map_odom = Pose::Identity();                                            ///< latest localisation
   Vec3 foot_odom[4] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< sole points; LF RF LH RH
   bool foot_in_contact[4] = {false, false, false, false};
 };
@@ -87,8 +87,9 @@ class SensorSink {
   virtual void OnDepth(const DepthEvent&) {}
 };
 
-/// The scanning action (thesis 3.3, 3.6.1): all spins of one roll from + to - and back, with the odometry they
-/// were taken under, and the map pose of that odometry at its end (T_map_odom = T_map_base * T_odom_base^-1).
+/// The scanning action (thesis 3.3, 3.6.1): all spins of one roll from + to - and back, with the odometry
+/// they were taken under, and the map pose of that odometry at its end (T_map_odom = T_map_base *
+/// T_odom_base^-1).
 struct Sweep {
   std::vector<SpinEvent> spins;
   Pose T_map_odom = Pose::Identity();

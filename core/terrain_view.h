@@ -11,9 +11,9 @@ class TerrainView {
   virtual ~TerrainView() = default;
 
   struct Ground {
-    double height_m = 0.0;  ///< z of the supporting surface in the map frame; meaningful where known
-    bool known = false;     ///< measured or filled to a stated size
-    bool steppable = false; ///< a foot may be placed: known, solid support, not beside a drop or at an edge
+    double height_m = 0.0;   ///< z of the supporting surface in the map frame; meaningful where known
+    bool known = false;      ///< measured or filled to a stated size
+    bool steppable = false;  ///< a foot may be placed: known, solid support, not beside a drop or at an edge
   };
   virtual Ground At(double x_map, double y_map) const = 0;
 };
