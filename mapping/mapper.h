@@ -50,8 +50,9 @@ const std::vector<CatalogEntry>& Catalog();
 /// @throws InputError for an unknown name.
 std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box);
 
-/// Undistorts the sweep: hits in the map frame by per-ray time (odom first, then map; thesis 3.3), outliers
-/// removed and downsampled to `spacing_m`.
-core::PointCloud AccumulateSweep(const core::Sweep& sweep, double max_range_m, double spacing_m);
+/// Undistorts the sweep: hits inside `region_map`, in the map frame by per-ray time (odom first, then map;
+/// thesis 3.3), isolated returns removed, at most one point a cell of `spacing_m`.
+core::PointCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& region_map, double max_range_m,
+                                 double spacing_m);
 
 }  // namespace atlas::mapping

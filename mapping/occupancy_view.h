@@ -16,10 +16,10 @@ constexpr double kFreeProbability = 0.2;
 
 /// One voxel on a ray.
 struct RaySample {
-  float occupancy = 0.5f;      ///< probability; 0.5 where never measured
-  float length_m = 0.0f;       ///< of the ray inside the voxel
-  uint64_t key = 0;            ///< the same for the same voxel on any ray
-  float behind_surface = 0.0f; ///< D - delta of the proximity count gain, in voxels; 0 where not stored
+  float occupancy = 0.5f;       ///< probability; 0.5 where never measured
+  float length_m = 0.0f;        ///< of the ray inside the voxel
+  uint64_t key = 0;             ///< the same for the same voxel on any ray
+  float behind_surface = 0.0f;  ///< D - delta of the proximity count gain, in voxels; 0 where not stored
 };
 
 enum class RayEnd : uint8_t {
@@ -36,8 +36,8 @@ class OccupancyView {
   virtual const core::Box3& region() const = 0;
   virtual CellState StateAt(const core::Vec3& p_map) const = 0;
 
-  /// Appends the voxels that the ray crosses inside region() and within `max_range_m`, nearest first, up to and
-  /// including the first occupied one. `samples` is cleared first. Thread-safe. @pre direction is unit.
+  /// Appends the voxels that the ray crosses inside region() and within `max_range_m`, nearest first, up to
+  /// and including the first occupied one. `samples` is cleared first. Thread-safe. @pre direction is unit.
   virtual RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, double max_range_m,
                        std::vector<RaySample>* samples) const = 0;
 

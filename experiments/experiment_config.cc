@@ -1,0 +1,80 @@
+#include "experiments/experiment_config.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/errors.h"
+#include "core/files.h"
+
+namespace atlas::experiments {
+namespace fs = std::filesystem;
+
+void NamedParams::Visit(core::ParamVisitor& v) { v.Field("name", &name, {.doc = doc}); }
+
+void MissionParams::Visit(core::ParamVisitor& v) {
+  v.Field("max_scans", &max_scans, {.min = 1, .max = 1000, .doc = "scan budget"});
+  v.Field("max_time_s", &max_time_s, {.unit = "s", .min = 1, .max = 1e6, .doc = "simulated time budget"});
+  v.Field("max_distance_m", &max_distance_m, {.unit = "m", .min = 1, .max = 1e6, .doc = "travel budget"});
+  v.Field("planning_latency_s", &planning_latency_s,
+          {.unit = "s", .min = 0, .max = 60, .doc = "simulated time that a plan takes"});
+  v.Field("integration_latency_s", &integration_latency_s,
+          {.unit = "s", .min = 0, .max = 60, .doc = "simulated time that integrating a sweep takes"});
+  v.Field("coverage_radius_m", &coverage_radius_m,
+          {.unit = "m", .min = 0.005, .max = 0.5, .doc = "a true point is covered by a measured one this near (Eq. 3.9)"});
+  v.Field("truth_spacing_m", &truth_spacing_m,
+          {.unit = "m", .min = 0.005, .max = 0.1, .doc = "spacing of the ground-truth cloud"});
+  v.Field("flat_coverage", &flat_coverage,
+          {.min = 0.0, .max = 1.0, .doc = "completed only if the last rounds added less coverage than this"});
+}
+
+void OutputParams::Visit(core::ParamVisitor& v) {
+  v.Field("video", &video, {.doc = "write video.mp4 (also --video)"});
+  v.Field("video_speed", &video_speed, {.min = 0.1, .max = 100, .doc = "times real time"});
+}
+
+void ExperimentConfig::Visit(core::ParamVisitor& v) {
+  v.Section("scene", &scene);
+  v.Section("robot", &robot);
+  v.Section("locomotion", &sim.locomotion);
+  v.Section("odometry", &sim.odometry);
+  v.Section("sensors", &sim.sensors);
+  v.Section("mapper", &mapper);
+  v.Section("planner", &planner);
+  v.Section("mission", &mission);
+  v.Section("output", &output);
+}
+
+std::vector<ExperimentEntry> ListExperiments() {
+  std::vector<ExperimentEntry> entries;
+  for (const auto& file : fs::directory_iterator(core::InstalledFile("experiments/configs"))) {
+    if (file.path().extension() != ".yaml") continue;
+    const std::string text = core::ReadFile(file.path());
+    const std::string doc = text.starts_with("# ") ? text.substr(2, text.find('\n') - 2) : "";
+    entries.push_back({file.path().stem().string(), doc});
+  }
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return entries;
+}
+
+ExperimentConfig LoadExperiment(const std::string& name_or_path, const std::vector<std::string>& assignments) {
+  const fs::path configs = core::InstalledFile("experiments/configs");
+  fs::path path = name_or_path;
+  if (path.extension() != ".yaml") {
+    path = configs / (name_or_path + ".yaml");
+    if (!fs::exists(path)) {
+      std::vector<std::string> names;
+      for (const ExperimentEntry& entry : ListExperiments()) names.push_back(entry.name);
+      throw core::InputError(core::UnknownName("experiment", name_or_path, names));
+    }
+  }
+  core::ParamSource source;
+  source.MergeFile(path, configs);
+  for (const std::string& assignment : assignments) source.MergeAssignment(assignment);
+  ExperimentConfig config;
+  config.experiment = path.stem().string();
+  config.rows = source.Load(&config);
+  return config;
+}
+
+}  // namespace atlas::experiments

@@ -1,0 +1,63 @@
+// An experiment: every parameter of a run, by section.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/params.h"
+#include "mapping/mapper.h"
+#include "planner/nbv_planner.h"
+#include "sim/simulator.h"
+
+namespace atlas::experiments {
+
+struct NamedParams {
+  std::string name;
+  std::string doc;
+  void Visit(core::ParamVisitor& v);
+};
+
+struct MissionParams {
+  int max_scans = 30;
+  double max_time_s = 2700.0;
+  double max_distance_m = 300.0;
+  double planning_latency_s = 1.0;     ///< simulated time a plan takes, whatever the machine
+  double integration_latency_s = 0.5;  ///< likewise for a sweep's integration
+  double coverage_radius_m = 0.043;    ///< Eq. 3.9: half the diagonal of a 5 cm voxel
+  double truth_spacing_m = 0.01;
+  double flat_coverage = 0.01;  ///< completed only if the last `planner.stop_rounds` scans added less than this
+  void Visit(core::ParamVisitor& v);
+};
+
+struct OutputParams {
+  bool video = false;
+  double video_speed = 8.0;
+  void Visit(core::ParamVisitor& v);
+};
+
+struct ExperimentConfig {
+  std::string experiment;  ///< name: the file's stem
+  NamedParams scene{"helicopter", "built-in scene, or path/scene.yaml"};
+  NamedParams robot{"quadruped", "built-in robot, or path/robot.xml"};
+  sim::SimParams sim;
+  mapping::MapperParams mapper;
+  planner::NbvParams planner;
+  MissionParams mission;
+  OutputParams output;
+  std::vector<core::ParamRow> rows;  ///< as resolved
+
+  void Visit(core::ParamVisitor& v);
+};
+
+/// Loads `experiments/configs/NAME.yaml`, or a file of the user's, with `--set` assignments over it.
+/// @throws InputError for an unknown experiment, key or value.
+ExperimentConfig LoadExperiment(const std::string& name_or_path, const std::vector<std::string>& assignments);
+
+struct ExperimentEntry {
+  std::string name;
+  std::string doc;
+};
+std::vector<ExperimentEntry> ListExperiments();
+
+}  // namespace atlas::experiments

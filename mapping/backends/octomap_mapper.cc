@@ -1,0 +1,166 @@
+#include "mapping/backends/octomap_mapper.h"
+
+#include <octomap/OcTree.h>
+
+#include <sstream>
+
+#include "core/files.h"
+#include "mapping/grid/dense_grid.h"
+#include "mapping/undistort.h"
+
+namespace atlas::mapping {
+namespace {
+
+using core::Vec3;
+using core::Vec3f;
+
+float LogOdds(double p) {
+  return static_cast<float>(std::log(p / (1.0 - p)));
+}
+
+class OctomapMapper : public Mapper {
+ public:
+  OctomapMapper(const MapperParams& params, const core::Box3& object_box)
+      : params_(params),
+        tree_(params.resolution_m),
+        grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
+        log_odds_(grid_.frame().count(), 0.0f),
+        mark_(grid_.frame().count(), kUntouched),
+        changed_mark_(grid_.frame().count(), false) {
+    tree_.setProbHit(params.hit_probability);
+    tree_.setProbMiss(params.miss_probability);
+    tree_.setClampingThresMin(params.clamp_min);
+    tree_.setClampingThresMax(params.clamp_max);
+    hit_ = LogOdds(params.hit_probability);
+    miss_ = LogOdds(params.miss_probability);
+    clamp_min_ = LogOdds(params.clamp_min);
+    clamp_max_ = LogOdds(params.clamp_max);
+  }
+
+  core::PointCloud Integrate(const core::Sweep& sweep) override {
+    core::PointCloud cloud;
+    VoxelFilter filter(params_.downsample_m);
+    UndistortedSpin spin;
+    for (const core::SpinEvent& event : sweep.spins) {
+      Undistort(event, sweep.T_map_odom, &spin);
+      MarkHits(spin);
+      MarkFree(spin);
+      ApplyMarks();
+      for (const MapRay& ray : spin.hits) {
+        if (ray.range_m > static_cast<float>(params_.max_range_m)) continue;
+        const Vec3f p = ray.origin_map + ray.range_m * ray.direction_map;
+        if (grid_.region().Contains(p.cast<double>()) && filter.Insert(p)) cloud.points.push_back(p);
+      }
+    }
+    WriteThrough();
+    return cloud;
+  }
+
+  const OccupancyView& view() const override { return grid_; }
+
+  size_t MapBytes() const override {
+    return tree_.memoryUsage() + grid_.Bytes() + log_odds_.size() * sizeof(float) + mark_.size();
+  }
+
+  std::string Save(const std::filesystem::path& directory) const override {
+    octomap::OcTree copy(tree_);
+    std::ostringstream out;
+    copy.writeBinary(out);
+    core::WriteFileAtomically(directory / "map.bt", out.str());
+    return "map.bt";
+  }
+
+ private:
+  enum Mark : uint8_t { kUntouched, kFreeMark, kHitMark };
+
+  void Touch(size_t index, Mark mark) {
+    if (mark_[index] == kUntouched) touched_.push_back(index);
+    mark_[index] = std::max(mark_[index], static_cast<uint8_t>(mark));
+  }
+
+  void MarkHits(const UndistortedSpin& spin) {
+    for (const MapRay& ray : spin.hits) {
+      if (ray.range_m > static_cast<float>(params_.max_range_m)) continue;
+      const Vec3 direction = ray.direction_map.cast<double>();
+      const Vec3 end = ray.origin_map.cast<double>() + static_cast<double>(ray.range_m) * direction;
+      const int64_t index = grid_.frame().IndexAt(end);
+      if (index < 0 || mark_[static_cast<size_t>(index)] == kHitMark) continue;
+      Touch(static_cast<size_t>(index), kHitMark);
+      MarkBehind(end, direction);
+    }
+  }
+
+  /// Proximity count (PLANNERS.md 5): stores D - delta in the unmeasured voxels behind a hit.
+  void MarkBehind(const Vec3& end, const Vec3& direction) {
+    const int depth = static_cast<int>(std::round(params_.behind_surface_m / params_.resolution_m));
+    for (int delta = 1; delta <= depth; ++delta) {
+      const int64_t index = grid_.frame().IndexAt(end + delta * params_.resolution_m * direction);
+      if (index < 0) return;
+      grid_.SetBehindSurface(static_cast<size_t>(index), 2 * depth - delta);
+    }
+  }
+
+  void MarkFree(const UndistortedSpin& spin) {
+    for (const MapRay& ray : spin.hits) {
+      MarkFreeAlong(ray, std::min(static_cast<double>(ray.range_m), params_.max_range_m));
+    }
+    if (params_.void_rays == "ignore") return;
+    for (const MapRay& ray : spin.voids) MarkFreeAlong(ray, params_.void_range_m);
+  }
+
+  void MarkFreeAlong(const MapRay& ray, double range_m) {
+    grid_.frame().Walk(ray.origin_map.cast<double>(), ray.direction_map.cast<double>(), range_m,
+                       [&](size_t index, double, double) {
+                         if (mark_[index] == kUntouched) {
+                           mark_[index] = kFreeMark;
+                           touched_.push_back(index);
+                         }
+                         return true;
+                       });
+  }
+
+  void ApplyMarks() {
+    for (const size_t index : touched_) {
+      const float update = mark_[index] == kHitMark ? hit_ : miss_;
+      mark_[index] = kUntouched;
+      const bool measured = grid_.Measured(index);
+      const float value = std::clamp(log_odds_[index] + update, clamp_min_, clamp_max_);
+      if (measured && value == log_odds_[index]) continue;
+      log_odds_[index] = value;
+      grid_.SetLogOdds(index, value);
+      if (!changed_mark_[index]) {
+        changed_mark_[index] = true;
+        changed_.push_back(index);
+      }
+    }
+    touched_.clear();
+  }
+
+  void WriteThrough() {
+    for (const size_t index : changed_) {
+      changed_mark_[index] = false;
+      const Vec3 p = grid_.frame().CenterOf(index);
+      tree_.setNodeValue(p.x(), p.y(), p.z(), log_odds_[index], true);
+    }
+    changed_.clear();
+    tree_.updateInnerOccupancy();
+    grid_.FinishUpdate();
+  }
+
+  MapperParams params_;
+  octomap::OcTree tree_;
+  DenseGrid grid_;
+  std::vector<float> log_odds_;
+  std::vector<uint8_t> mark_;
+  std::vector<bool> changed_mark_;
+  std::vector<size_t> touched_, changed_;
+  float hit_, miss_, clamp_min_, clamp_max_;
+};
+
+}  // namespace
+
+std::unique_ptr<Mapper> BuildOctomapMapper(const MapperParams& params, const core::Box3& object_box) {
+  return std::make_unique<OctomapMapper>(params, object_box);
+}
+
+}  // namespace atlas::mapping

@@ -1,0 +1,123 @@
+// A bounded dense occupancy grid that answers a planner's queries: a byte a voxel, walked by a DDA.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mapping/occupancy_view.h"
+
+namespace atlas::mapping {
+
+/// Voxel (i, j, k) spans origin + resolution * [i, i + 1) and so on; indices run x fastest. The origin is a
+/// multiple of the resolution, so voxels coincide with OctoMap's.
+class GridFrame {
+ public:
+  GridFrame(const core::Box3& region, double resolution_m);
+
+  double resolution_m() const { return resolution_m_; }
+  const core::Box3& box() const { return box_; }
+  const std::array<int, 3>& size() const { return size_; }
+  size_t count() const { return count_; }
+
+  size_t IndexOf(int i, int j, int k) const {
+    return static_cast<size_t>(i) +
+           static_cast<size_t>(size_[0]) *
+               (static_cast<size_t>(j) + static_cast<size_t>(size_[1]) * static_cast<size_t>(k));
+  }
+  /// -1 outside.
+  int64_t IndexAt(const core::Vec3& p) const;
+  core::Vec3 CenterOf(size_t index) const;
+
+  /// Calls `visit(index, t_enter, t_leave)` on the voxels along origin + t * direction for t in [0, t_end],
+  /// nearest first, until it returns false or the ray leaves the grid. Returns whether `visit` stopped it.
+  template <typename Visit>
+  bool Walk(const core::Vec3& origin, const core::Vec3& direction, double t_end, const Visit& visit) const;
+
+ private:
+  double resolution_m_;
+  core::Box3 box_;
+  std::array<int, 3> size_;
+  size_t count_;
+};
+
+class DenseGrid : public OccupancyView {
+ public:
+  DenseGrid(const core::Box3& region, double resolution_m);
+
+  const GridFrame& frame() const { return frame_; }
+  /// Sets a measured voxel's log-odds, rounded to 1/24 for the view.
+  void SetLogOdds(size_t index, float log_odds);
+  /// Marks an unmeasured voxel as lying behind a surface; the greatest value stays. No effect once measured.
+  void SetBehindSurface(size_t index, int value);
+  bool Measured(size_t index) const { return code_[index] >= kFirstMeasured; }
+  bool Occupied(size_t index) const {
+    return table_[code_[index]].occupancy > static_cast<float>(kOccupiedProbability);
+  }
+  /// Rebuilds what DistanceToOccupied and OccupiedCenters read. Call after a batch of changes.
+  void FinishUpdate();
+  size_t Bytes() const { return code_.size(); }
+
+  double resolution_m() const override { return frame_.resolution_m(); }
+  const core::Box3& region() const override { return frame_.box(); }
+  CellState StateAt(const core::Vec3& p_map) const override;
+  RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, double max_range_m,
+               std::vector<RaySample>* samples) const override;
+  std::vector<core::Vec3f> OccupiedCenters() const override;
+  double DistanceToOccupied(const core::Vec3& p_map, double limit_m) const override;
+
+ private:
+  // Codes: 0 unmeasured; 1..31 unmeasured, that many behind a surface; 32..255 log-odds in steps of 1/24
+  // about 128.
+  static constexpr int kFirstMeasured = 32;
+  struct Decoded {
+    float occupancy, behind;
+  };
+  GridFrame frame_;
+  std::vector<uint8_t> code_;
+  std::array<Decoded, 256> table_;
+  std::vector<core::Vec3f> occupied_;
+  // Occupied centres by coarse cell, for the distance query.
+  double bucket_m_ = 0.5;
+  std::array<int, 3> bucket_size_ = {0, 0, 0};
+  std::vector<uint32_t> bucket_begin_;
+  std::vector<core::Vec3f> bucket_points_;
+};
+
+template <typename Visit>
+bool GridFrame::Walk(const core::Vec3& origin, const core::Vec3& direction, double t_end,
+                     const Visit& visit) const {
+  const auto span = box_.Clip(origin, direction);
+  if (!span || span->first >= t_end) return false;
+  const double t_stop = std::min(span->second, t_end);
+  double t = span->first;
+  const core::Vec3 local = (origin + t * direction - box_.min) / resolution_m_;
+  int cell[3], step[3];
+  double t_next[3], t_delta[3];
+  int64_t stride[3] = {1, size_[0], static_cast<int64_t>(size_[0]) * size_[1]}, jump[3];
+  for (int a = 0; a < 3; ++a) {
+    cell[a] = std::clamp(static_cast<int>(std::floor(local[a])), 0, size_[static_cast<size_t>(a)] - 1);
+    step[a] = direction[a] > 0.0 ? 1 : -1;
+    jump[a] = step[a] * stride[a];
+    if (direction[a] == 0.0) {
+      t_next[a] = t_delta[a] = std::numeric_limits<double>::infinity();
+    } else {
+      const double boundary = box_.min[a] + resolution_m_ * (cell[a] + (step[a] > 0 ? 1 : 0));
+      t_next[a] = (boundary - origin[a]) / direction[a];
+      t_delta[a] = resolution_m_ / std::abs(direction[a]);
+    }
+  }
+  int64_t index = static_cast<int64_t>(IndexOf(cell[0], cell[1], cell[2]));
+  while (true) {
+    const int a = t_next[0] < t_next[1] ? (t_next[0] < t_next[2] ? 0 : 2) : (t_next[1] < t_next[2] ? 1 : 2);
+    const double t_leave = std::min(t_next[a], t_stop);
+    if (!visit(static_cast<size_t>(index), t, t_leave)) return true;
+    if (t_next[a] >= t_stop) return false;
+    t = t_next[a];
+    t_next[a] += t_delta[a];
+    cell[a] += step[a];
+    if (cell[a] < 0 || cell[a] >= size_[static_cast<size_t>(a)]) return false;
+    index += jump[a];
+  }
+}
+
+}  // namespace atlas::mapping
