@@ -10,8 +10,8 @@
 
 namespace atlas::sim {
 
-/// Casts revolutions from the true sensor pose at each ray's own time, adds range noise and dropout, and marks
-/// rays that met nothing as void. Hits on the robot itself come back as dropouts.
+/// Casts revolutions from the true sensor pose at each ray's own time, adds range noise and dropout, and
+/// marks rays that met nothing as void. Hits on the robot itself come back as dropouts.
 class Lidar {
  public:
   Lidar(const core::LidarModel& model, const core::Rng& rng);

@@ -29,14 +29,21 @@ class Raycaster {
   /// Adds a rigid body; returns its index (hits carry kMovingBody + index). Call before CommitPoses.
   int AddBody(const core::TriMesh& mesh_body);
   void SetBodyPose(int body, const core::Pose& T_map_body);
+  /// Makes poses set since the last commit visible to casts; does nothing where there are none.
   void CommitPoses();
 
-  /// Nearest hit of each ray within (0, max_range_m]. Partly transmissive parts stop a share of the rays, chosen
-  /// by hashing (`transmission_seed`, ray index), so results repeat.
+  /// Whether `p_map` lies within `margin_m` of a body's surface (its triangles, as committed or not).
+  bool NearBody(const core::Vec3& p_map, double margin_m) const;
+  /// No point of any body is farther than this from `p_map`; 0 without bodies.
+  double BodyReach(const core::Vec3& p_map) const;
+
+  /// Nearest hit of each ray within (0, max_range_m]. Partly transmissive parts stop a share of the rays,
+  /// chosen by hashing (`transmission_seed`, ray index), so results repeat.
   void Cast(std::span<const core::Ray> rays, float max_range_m, uint64_t transmission_seed, int threads,
             std::span<RayHit> hits) const;
   /// As Cast, against the static scene only and as if every part were opaque.
-  void CastStatic(std::span<const core::Ray> rays, float max_range_m, int threads, std::span<RayHit> hits) const;
+  void CastStatic(std::span<const core::Ray> rays, float max_range_m, int threads,
+                  std::span<RayHit> hits) const;
 
  private:
   struct Impl;
