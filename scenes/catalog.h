@@ -30,7 +30,7 @@ SceneSpec LoadSceneFile(const std::filesystem::path& path);
 struct GroundTruth {
   std::vector<core::Vec3f> points;
   std::vector<core::Vec3f> normals;  ///< outward, a point each
-  std::vector<uint16_t> part;  ///< index into part_names, a point each
+  std::vector<uint16_t> part;        ///< index into part_names, a point each
   std::vector<std::string> part_names;
   std::vector<double> part_area_m2;  ///< exposed area a part name
 };

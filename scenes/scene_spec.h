@@ -47,7 +47,7 @@ struct CollisionShape {
 struct ScenePart {
   std::string name;  ///< "tail_boom"; parts of one name are summed in the table of areas
   core::Label label = core::Label::kUnknown;
-  core::TriMesh mesh;  ///< map frame
+  core::TriMesh mesh;                     ///< map frame
   std::vector<CollisionShape> collision;  ///< empty: the robot cannot reach it
   bool is_object = false;                 ///< belongs to the object to be mapped (ground truth, coverage)
   /// Share of rays that pass through (a grating as a stochastic screen); 0 = opaque. Feet always meet it.
@@ -59,8 +59,9 @@ struct SceneSpec {
   std::string doc;  ///< one line
   std::vector<ScenePart> parts;
   core::Pose T_map_spawn = core::Pose::Identity();  ///< the ground point under the base, and the heading
-  core::Box3 object_box;  ///< where the object is (known a priori, thesis 3.6.2); gains and mapping stay in it
-  core::Box3 bounds;      ///< everything
+  core::Box3
+      object_box;     ///< where the object is (known a priori, thesis 3.6.2); gains and mapping stay in it
+  core::Box3 bounds;  ///< everything
 };
 
 }  // namespace atlas::scenes
