@@ -10,6 +10,7 @@
 #include "core/params.h"
 #include "core/rng.h"
 #include "mapping/occupancy_view.h"
+#include "planner/gain/sweep_view.h"
 #include "planner/terrain/elevation_map.h"
 #include "planner/traversable_ground.h"
 
@@ -23,16 +24,16 @@ struct NbvParams {
   double window_m = 12.0;
   double rrt_step_m = 0.6;
   int headings = 8;
-  int rays = 6000;               ///< per candidate inside the object box, at least
+  int rays = 6000;  ///< per candidate inside the object box, at least
   double max_range_m = 20.0;
   // Position cost (Eq. 3.7) as two terms; the maximum of both equals the thesis's at equal thresholds.
   bool visited_cost = true;
   double visited_threshold_m = 2.0;
   bool too_close_cost = true;
   double too_close_threshold_m = 1.5;
-  double behind_penalty = 0.2;  ///< constant traversal cost for candidates behind the robot
+  double behind_penalty = 0.2;           ///< constant traversal cost for candidates behind the robot
   std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
-  double time_scale_s = 60.0;   ///< continuous: travel of this long costs 1 - 1/e
+  double time_scale_s = 60.0;            ///< continuous: travel of this long costs 1 - 1/e
   // Termination, Eq. 3.8 made scale-free.
   double stop_ratio = 0.05;     ///< of the first view's utility
   int stop_rounds = 2;          ///< low rounds in a row
@@ -43,14 +44,6 @@ struct NbvParams {
   void Visit(core::ParamVisitor& v);
 };
 
-/// How a sweep sees from a base pose.
-struct SweepSensorModel {
-  core::LidarModel lidar;
-  core::Pose T_base_lidar = core::Pose::Identity();
-  double base_height_m = 0.44;  ///< above ground
-  double roll_rad = 0.7;        ///< sweep from +roll to -roll
-};
-
 enum class LossReason { kChosen, kLowerUtility, kBlacklisted, kUnreachable, kNoGain };
 
 /// A viewpoint candidate x = (x, y, yaw) with all that decided about it; tables, plots and video recompute
@@ -59,11 +52,12 @@ struct Candidate {
   core::Vec2 p_map = core::Vec2::Zero();
   double yaw_rad = 0.0;
   double ground_m = 0.0;
-  int node = -1;                  ///< RRT node it stands on
-  double path_length_m = 0.0;     ///< along the tree
-  double gain = 0.0;              ///< g_x of the deciding gain
+  int node = -1;               ///< RRT node it stands on
+  double path_length_m = 0.0;  ///< along the tree
+  double gain = 0.0;           ///< g_x of the deciding gain
   std::vector<double> extra_gains;
-  double gain_void = 0.0, gain_ground = 0.0, gain_object = 0.0;  ///< the deciding gain split by where its rays end
+  double gain_void = 0.0, gain_ground = 0.0,
+         gain_object = 0.0;  ///< the deciding gain split by where its rays end
   double visited_cost = 0.0, too_close_cost = 0.0, position_cost = 0.0, traversal_cost = 0.0;
   double utility = 0.0;  ///< Eq. 3.1
   LossReason reason = LossReason::kLowerUtility;
@@ -78,7 +72,7 @@ struct NbvDecision {
   int nodes_obtained = 0;
   int attempts = 0;
   size_t rays_traced = 0;
-  double utility_ratio = 0.0;  ///< best over the first view's
+  double utility_ratio = 0.0;        ///< best over the first view's
   std::vector<core::Vec2> path_map;  ///< from the robot to the view (RRT*)
   double path_length_m = 0.0;
 };

@@ -17,7 +17,8 @@ struct GainLaws {
   bool at_most_occlusion_aware = false;
 };
 
-/// Sees one view, ray by ray; per-ray sums, per-view ratios and unions over rays all fit. One instance a thread.
+/// Sees one view, ray by ray; per-ray sums, per-view ratios and unions over rays all fit. One instance a
+/// thread.
 class Gain {
  public:
   virtual ~Gain() = default;
@@ -28,6 +29,23 @@ class Gain {
   virtual double FinishView() = 0;
 };
 
+/// A gain that is a weighted sum over rays: RayValue is computed once a ray, whatever the number of views
+/// (headings of one node) that share it.
+class RaySumGain : public Gain {
+ public:
+  /// What the ray contributes to a view at weight 1: finite, >= 0.
+  virtual double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd end) const = 0;
+
+  void BeginView() final { sum_ = 0.0; }
+  void AddRay(std::span<const mapping::RaySample> samples, mapping::RayEnd end, double weight) final {
+    sum_ += weight * RayValue(samples, end);
+  }
+  double FinishView() final { return sum_; }
+
+ private:
+  double sum_ = 0.0;
+};
+
 struct GainEntry {
   std::string name;
   std::string doc;  ///< one line with its source
@@ -35,6 +53,7 @@ struct GainEntry {
   std::unique_ptr<Gain> (*build)(double resolution_m);
 };
 const std::vector<GainEntry>& GainCatalog();
+std::vector<std::string> GainNames();
 /// @throws InputError for an unknown name, suggesting the near one.
 const GainEntry& FindGain(const std::string& name);
 
