@@ -1,0 +1,161 @@
+#include "experiments/metrics/run_files.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <sstream>
+
+#include "core/errors.h"
+#include "core/files.h"
+#include "experiments/metrics/run_recorder.h"
+
+namespace atlas::experiments {
+namespace {
+
+using core::InputError;
+
+constexpr std::string_view kStepsHeader =
+    "scan,sim_time_s,distance_m,x_m,y_m,z_m,yaw_rad,coverage_raw,coverage,coverage_of_attainable,cloud_"
+    "points,"
+    "new_surface_voxels,outcome,candidates,nodes,rays,gain,utility,utility_ratio,path_length_m,falls,"
+    "collisions,"
+    "shank_brushes,footholds,footholds_off_solid,worst_foot_drop_m\n";
+
+std::vector<std::string> SplitLine(const std::string& line) {
+  std::vector<std::string> cells;
+  std::stringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  if (line.ends_with(',')) cells.emplace_back();
+  return cells;
+}
+
+size_t ColumnOf(const std::vector<std::string>& header, const std::string& name, const std::string& origin) {
+  for (size_t i = 0; i < header.size(); ++i) {
+    if (header[i] == name) return i;
+  }
+  throw InputError(fmt::format("{}: column '{}' is missing", origin, name));
+}
+
+double NumberIn(const std::vector<std::string>& cells, size_t column, const std::string& origin, int line) {
+  double value = 0.0;
+  const std::string cell = column < cells.size() ? cells[column] : "";
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc() || end != cell.data() + cell.size()) {
+    throw InputError(
+        fmt::format("{}:{}: expected a number in column {}, found '{}'", origin, line, column + 1, cell));
+  }
+  return value;
+}
+
+}  // namespace
+
+std::string_view NameOf(planner::NbvOutcome outcome) {
+  switch (outcome) {
+    case planner::NbvOutcome::kView:
+      return "view";
+    case planner::NbvOutcome::kGainExhausted:
+      return "gain_exhausted";
+    case planner::NbvOutcome::kNoCandidates:
+      return "no_candidates";
+    case planner::NbvOutcome::kNoPath:
+      return "no_path";
+  }
+  return "";
+}
+
+std::string_view NameOf(planner::LossReason reason) {
+  switch (reason) {
+    case planner::LossReason::kChosen:
+      return "chosen";
+    case planner::LossReason::kLowerUtility:
+      return "lower_utility";
+    case planner::LossReason::kBlacklisted:
+      return "blacklisted";
+    case planner::LossReason::kUnreachable:
+      return "unreachable";
+    case planner::LossReason::kNoGain:
+      return "no_gain";
+  }
+  return "";
+}
+
+std::string StepsCsv(const std::vector<StepRow>& steps) {
+  std::string csv(kStepsHeader);
+  for (const StepRow& s : steps) {
+    const core::Vec3& p = s.T_map_base.translation();
+    const std::string share =
+        s.coverage_of_attainable ? fmt::format("{:.6f}", *s.coverage_of_attainable) : std::string();
+    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{},{},{},{},{},{},{},",
+                       s.scan, s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(),
+                       core::YawOf(s.T_map_base.linear()), s.coverage_raw, s.coverage, share, s.cloud_points,
+                       s.new_surface_voxels, s.outcome, s.candidates, s.nodes, s.rays);
+    csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{:.4f}\n", s.gain, s.utility,
+                       s.utility_ratio, s.path_length_m, s.falls, s.collisions, s.shank_brushes, s.footholds,
+                       s.footholds_off_solid, s.worst_foot_drop_m);
+  }
+  return csv;
+}
+
+std::string TimingsCsv(const std::vector<TimingRow>& timings) {
+  std::string csv =
+      "scan,nbv_time_s,integration_ms,terrain_ms,metrics_ms,sweep_wall_s,walk_wall_s,wall_time_s,map_bytes\n";
+  for (const TimingRow& t : timings) {
+    csv += fmt::format("{},{:.4f},{:.2f},{:.2f},{:.2f},{:.4f},{:.4f},{:.4f},{}\n", t.scan, t.nbv_time_s,
+                       t.integration_ms, t.terrain_ms, t.metrics_ms, t.sweep_wall_s, t.walk_wall_s,
+                       t.wall_time_s, t.map_bytes);
+  }
+  return csv;
+}
+
+std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains) {
+  std::string header =
+      "scan,candidate,node,x_m,y_m,yaw_rad,ground_m,path_length_m,gain,gain_void,gain_ground,gain_object,"
+      "visited_cost,too_close_cost,position_cost,traversal_cost,utility,reason";
+  for (const std::string& name : extra_gains) header += ",gain_" + name;
+  return header + "\n";
+}
+
+void AppendCandidateRows(int scan, const planner::NbvDecision& decision, size_t extra_count,
+                         std::string* csv) {
+  for (size_t i = 0; i < decision.candidates.size(); ++i) {
+    const planner::Candidate& c = decision.candidates[i];
+    *csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f},{:.6g},{:.6g},{:.6g},{:.6g},", scan, i,
+                        c.node, c.p_map.x(), c.p_map.y(), c.yaw_rad, c.ground_m, c.path_length_m, c.gain,
+                        c.gain_void, c.gain_ground, c.gain_object);
+    *csv += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.6g},{}", c.visited_cost, c.too_close_cost,
+                        c.position_cost, c.traversal_cost, c.utility, NameOf(c.reason));
+    for (size_t k = 0; k < extra_count; ++k) {
+      *csv += k < c.extra_gains.size() ? fmt::format(",{:.6g}", c.extra_gains[k]) : ",";
+    }
+    *csv += '\n';
+  }
+}
+
+CoverageCurve LoadCoverageCurve(const std::filesystem::path& run_folder) {
+  const std::string origin = (run_folder / "steps.csv").string();
+  std::stringstream text(core::ReadFile(origin));
+  std::string line;
+  std::getline(text, line);
+  const std::vector<std::string> header = SplitLine(line);
+  const size_t scan = ColumnOf(header, "scan", origin), time = ColumnOf(header, "sim_time_s", origin),
+               distance = ColumnOf(header, "distance_m", origin),
+               raw = ColumnOf(header, "coverage_raw", origin), aligned = ColumnOf(header, "coverage", origin),
+               share = ColumnOf(header, "coverage_of_attainable", origin);
+  CoverageCurve curve;
+  for (int number = 2; std::getline(text, line); ++number) {
+    if (line.empty()) continue;
+    const std::vector<std::string> cells = SplitLine(line);
+    curve.scan.push_back(NumberIn(cells, scan, origin, number));
+    curve.sim_time_s.push_back(NumberIn(cells, time, origin, number));
+    curve.distance_m.push_back(NumberIn(cells, distance, origin, number));
+    curve.coverage_raw.push_back(NumberIn(cells, raw, origin, number));
+    curve.coverage.push_back(NumberIn(cells, aligned, origin, number));
+    if (share < cells.size() && !cells[share].empty()) {
+      curve.coverage_of_attainable.push_back(NumberIn(cells, share, origin, number));
+    }
+  }
+  if (curve.coverage_of_attainable.size() != curve.scan.size()) curve.coverage_of_attainable.clear();
+  return curve;
+}
+
+}  // namespace atlas::experiments

@@ -1,0 +1,19 @@
+// The text of a run folder's tables, with fixed formatting: the same rows give the same bytes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planner/nbv_planner.h"
+
+namespace atlas::experiments {
+
+/// Header of candidates.csv; extra gains become columns `gain_NAME`.
+std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains);
+
+/// A line a candidate. `extra_count` columns follow the fixed ones; a candidate that lacks them leaves them
+/// empty.
+void AppendCandidateRows(int scan, const planner::NbvDecision& decision, size_t extra_count,
+                         std::string* csv);
+
+}  // namespace atlas::experiments
