@@ -35,7 +35,7 @@ endfunction()
 # atlas_test(NAME SOURCES... LIBRARIES ...): one GoogleTest executable, registered with CTest.
 function(atlas_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBRARIES" ${ARGN})
-  if(NOT ARG_SOURCES)
+  if(NOT "${ARG_SOURCES}" MATCHES "_test")
     return()
   endif()
   add_executable(test_${name} ${ARG_SOURCES})

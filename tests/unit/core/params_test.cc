@@ -1,0 +1,110 @@
+#include "core/params.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/errors.h"
+#include "core/files.h"
+
+namespace atlas::core {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InnerParams {
+  std::string name = "plain";
+  double size_m = 1.0;
+  void Visit(ParamVisitor& v) {
+    v.Field("name", &name, {.choices = {"plain", "fancy"}, .doc = "kind"});
+    v.Field("size_m", &size_m, {.unit = "m", .min = 0.5, .max = 2.0, .doc = "edge"});
+  }
+};
+
+struct OuterParams {
+  int count = 3;
+  bool active = false;
+  std::vector<std::string> words;
+  InnerParams inner;
+  void Visit(ParamVisitor& v) {
+    v.Field("count", &count, {.min = 1, .max = 9, .doc = "how many"});
+    v.Field("active", &active, {.doc = "on"});
+    v.Field("words", &words, {.doc = "some"});
+    v.Section("inner", &inner);
+  }
+};
+
+class ParamFiles : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(dir_); }
+  void TearDown() override { fs::remove_all(dir_); }
+  fs::path Write(const std::string& name, const std::string& text) {
+    WriteFileAtomically(dir_ / name, text);
+    return dir_ / name;
+  }
+  OuterParams Load(const std::string& text, const std::vector<std::string>& sets = {}) {
+    ParamSource source;
+    source.MergeFile(Write("a.yaml", text), dir_);
+    for (const auto& s : sets) source.MergeAssignment(s);
+    OuterParams params;
+    rows_ = source.Load(&params);
+    return params;
+  }
+  std::string Refusal(const std::string& text, const std::vector<std::string>& sets = {}) {
+    try {
+      Load(text, sets);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  fs::path dir_ = fs::temp_directory_path() / ("atlas_params_" + std::to_string(::getpid()));
+  std::vector<ParamRow> rows_;
+};
+
+TEST_F(ParamFiles, LaterLayersWinAndOriginsAreKept) {
+  Write("base.yaml", "count: 2\ninner: {size_m: 1.5}\n");
+  const OuterParams params = Load("extends: base\ninner: fancy\n", {"count=5", "words=[x, y]"});
+  EXPECT_EQ(params.count, 5);
+  EXPECT_EQ(params.inner.name, "fancy");
+  EXPECT_DOUBLE_EQ(params.inner.size_m, 1.5);
+  EXPECT_EQ(params.words, (std::vector<std::string>{"x", "y"}));
+  EXPECT_EQ(rows_[0].origin, "--set count=5");
+  EXPECT_NE(rows_[3].origin.find("a.yaml:2"), std::string::npos) << rows_[3].origin;
+  EXPECT_EQ(rows_[1].origin, "default");
+}
+
+TEST_F(ParamFiles, BadInputNamesFileKeyValueAndLimit) {
+  EXPECT_NE(Refusal("count: 12\n").find("a.yaml:1: count: 12 is out of range, must be [1, 9]"),
+            std::string::npos);
+  EXPECT_NE(Refusal("count: soon\n").find("expected a whole number, got 'soon'"), std::string::npos);
+  EXPECT_NE(Refusal("count: 2.5\n").find("expected a whole number"), std::string::npos);
+  EXPECT_NE(Refusal("inner: {size_m: .nan}\n").find("inner.size_m: expected a number"), std::string::npos);
+  EXPECT_NE(Refusal("inner: {sise_m: 1}\n").find("did you mean 'size_m'"), std::string::npos);
+  EXPECT_NE(Refusal("inner: fency\n").find("did you mean 'fancy'"), std::string::npos);
+  EXPECT_NE(Refusal("active: maybe\n").find("expected true or false"), std::string::npos);
+  EXPECT_NE(Refusal("count: {a: 1}\n").find("expected a whole number, got a section"), std::string::npos);
+  EXPECT_NE(Refusal("inner: [1, 2]\n").find("a section, not a list"), std::string::npos);
+  EXPECT_NE(Refusal("a: [1\nb").find("malformed YAML"), std::string::npos);
+  EXPECT_NE(Refusal("extends: nowhere\n").find("extends 'nowhere'"), std::string::npos);
+  EXPECT_NE(Refusal("extends: a\n").find("extends itself"), std::string::npos);
+  EXPECT_NE(Refusal("count: 1\n", {"inner.size_m"}).find("expected section.key=value"), std::string::npos);
+  EXPECT_NE(Refusal("count: 1\n", {"inner.size_m=7"}).find("--set inner.size_m=7: inner.size_m: 7"),
+            std::string::npos);
+}
+
+TEST_F(ParamFiles, DumpLoadsBackToTheSameValues) {
+  const OuterParams params =
+      Load("count: 7\nactive: true\nwords: [a b, c]\ninner: {name: fancy, size_m: 0.625}\n");
+  const std::string dump = DumpYaml(rows_);
+  const OuterParams again = Load(dump);
+  EXPECT_EQ(again.count, params.count);
+  EXPECT_EQ(again.active, params.active);
+  EXPECT_EQ(again.words, params.words);
+  EXPECT_EQ(again.inner.name, params.inner.name);
+  EXPECT_DOUBLE_EQ(again.inner.size_m, params.inner.size_m);
+  EXPECT_EQ(DumpYaml(rows_), dump);
+}
+
+}  // namespace
+}  // namespace atlas::core
