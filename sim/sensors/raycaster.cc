@@ -66,6 +66,28 @@ void PassThroughScreen(const RTCFilterFunctionNArguments* args) {
   }
 }
 
+/// Fills the packet's lanes; those from `count` on repeat the last ray (they are not valid).
+template <int kWidth>
+void Load(const core::Ray* rays, size_t count, size_t first_id, float tfar, Packet<kWidth>* packet) {
+  auto& ray = packet->data.ray;
+  auto& hit = packet->data.hit;
+  for (int lane = 0; lane < kWidth; ++lane) {
+    ray.tfar[lane] = tfar;
+    ray.id[lane] = static_cast<unsigned int>(first_id) + static_cast<unsigned int>(lane);
+    hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+    hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  }
+  for (size_t lane = 0; lane < kWidth; ++lane) {
+    const core::Ray& r = rays[std::min(lane, count - 1)];
+    ray.org_x[lane] = r.origin.x();
+    ray.org_y[lane] = r.origin.y();
+    ray.org_z[lane] = r.origin.z();
+    ray.dir_x[lane] = r.direction.x();
+    ray.dir_y[lane] = r.direction.y();
+    ray.dir_z[lane] = r.direction.z();
+  }
+}
+
 void FillGeometry(RTCGeometry geometry, const std::vector<const core::TriMesh*>& meshes) {
   size_t vertices = 0, triangles = 0;
   for (const core::TriMesh* mesh : meshes) {
@@ -129,8 +151,16 @@ struct Raycaster::Impl {
                   size_t last, float max_range_m, uint64_t seed, std::span<RayHit> hits) const;
   void CastAll(RTCScene scene, bool with_bodies, std::span<const core::Ray> rays, float max_range_m,
                uint64_t seed, int threads, std::span<RayHit> hits) const;
-  int32_t PartOf(uint32_t geometry, uint32_t triangle) const {
-    return geometry == 0 ? part_of_triangle[triangle] : screens[geometry - 1]->part;
+  template <int kWidth>
+  RayHit Unload(const Packet<kWidth>& packet, size_t lane, float max_range_m) const {
+    const auto& hit = packet.data.hit;
+    const uint32_t geometry = hit.geomID[lane], body = hit.instID[0][lane];
+    const float range_m = packet.data.ray.tfar[lane];
+    if (geometry == RTC_INVALID_GEOMETRY_ID || range_m > max_range_m) return {};
+    const int32_t part = body != RTC_INVALID_GEOMETRY_ID ? kMovingBody + static_cast<int32_t>(body)
+                         : geometry == 0                 ? part_of_triangle[hit.primID[lane]]
+                                                         : screens[geometry - 1]->part;
+    return {range_m, part, {hit.Ng_x[lane], hit.Ng_y[lane], hit.Ng_z[lane]}};
   }
 };
 
@@ -168,46 +198,23 @@ void Raycaster::Impl::CastGroups(RTCScene scene, bool with_bodies, std::span<con
                                  std::span<RayHit> hits) const {
   Packet<kWidth> packet = {};
   alignas(64) int valid[kWidth];
+  std::fill_n(valid, kWidth, -1);
+  std::fill_n(packet.data.ray.mask, kWidth, ~0u);
   CastContext context{{}, seed};
-  for (size_t base = first; base < last; base += kWidth) {
-    auto& ray = packet.data.ray;
-    auto& hit = packet.data.hit;
-    const size_t count = std::min<size_t>(kWidth, last - base);
-    for (size_t lane = 0; lane < kWidth; ++lane) {
-      valid[lane] = lane < count ? -1 : 0;
-      const core::Ray& r = rays[base + std::min(lane, count - 1)];
-      ray.org_x[lane] = r.origin.x();
-      ray.org_y[lane] = r.origin.y();
-      ray.org_z[lane] = r.origin.z();
-      ray.dir_x[lane] = r.direction.x();
-      ray.dir_y[lane] = r.direction.y();
-      ray.dir_z[lane] = r.direction.z();
-      ray.tnear[lane] = 0.0f;
-      ray.tfar[lane] = max_range_m * kBeyond;
-      ray.mask[lane] = ~0u;
-      ray.id[lane] = static_cast<unsigned int>(base + lane);
-      hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-      hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    }
-    rtcInitIntersectContext(&context.embree);
-    context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcInitIntersectContext(&context.embree);
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  size_t base = first;
+  const auto cast = [&](size_t count) {
+    Load<kWidth>(rays.data() + base, count, base, max_range_m * kBeyond, &packet);
     packet.Intersect(valid, scene, &context.embree);
     // A body that is nearer overwrites the hit; one that is not leaves it alone.
     if (with_bodies) packet.Intersect(valid, body_scene, &context.embree);
-    for (size_t lane = 0; lane < count; ++lane) {
-      RayHit& out = hits[base + lane];
-      const uint32_t geometry = hit.geomID[lane];
-      if (geometry == RTC_INVALID_GEOMETRY_ID || ray.tfar[lane] > max_range_m) {
-        out = RayHit{};
-        continue;
-      }
-      const uint32_t body = hit.instID[0][lane];
-      out.range_m = ray.tfar[lane];
-      out.part = body == RTC_INVALID_GEOMETRY_ID ? PartOf(geometry, hit.primID[lane])
-                                                 : kMovingBody + static_cast<int32_t>(body);
-      out.normal = {hit.Ng_x[lane], hit.Ng_y[lane], hit.Ng_z[lane]};
-    }
-  }
+    for (size_t lane = 0; lane < count; ++lane) hits[base + lane] = Unload(packet, lane, max_range_m);
+  };
+  for (; base + kWidth <= last; base += kWidth) cast(kWidth);
+  if (base == last) return;
+  std::fill(valid + (last - base), valid + kWidth, 0);
+  cast(last - base);
 }
 
 void Raycaster::Impl::CastAll(RTCScene scene, bool with_bodies, std::span<const core::Ray> rays,
