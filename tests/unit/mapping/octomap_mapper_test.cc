@@ -26,7 +26,7 @@ core::Sweep RoomSweep(int spins, double noise, const Vec3& velocity = Vec3(0.5, 
     scan.rows = 16;
     scan.columns = 120;
     scan.stamp_s = 0.1 * s;
-    const Vec3 start(0.3, -0.2, 0.9);
+    const Vec3 start(0.3, -0.2, 0.92);
     for (double t = 0.0; t <= 0.1001; t += 0.01) {
       event.T_odom_lidar.Add(scan.stamp_s + t,
                              core::PoseFromXyzYaw(start + (scan.stamp_s + t) * velocity, 0.0));
@@ -124,7 +124,7 @@ TEST(OctomapMapper, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
   params.void_range_m = 1.0;
   const auto clearing = MakeMapper(params, kBox);
   clearing->Integrate(sweep);
-  const Vec3 sensor = sweep.T_map_odom * Vec3(0.3, -0.2, 0.9);
+  const Vec3 sensor = sweep.T_map_odom * Vec3(0.3, -0.2, 0.92);
   const Vec3 forward = sweep.T_map_odom.linear() * Vec3::UnitX();
   EXPECT_EQ(clearing->view().StateAt(sensor + 0.5 * forward), CellState::kFree);
   EXPECT_EQ(clearing->view().StateAt(sensor + 1.1 * forward), CellState::kUnknown);
