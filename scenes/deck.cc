@@ -51,7 +51,7 @@ void AddStairs(SceneBuilder& scene, const Rect& well, bool rises_along_x) {
 }  // namespace
 
 void AddDeck(SceneBuilder& scene, const Paint& floor) {
-  scene.Box({"ground", Label::kGround}, Vec3(-16, -15, kGroundBelow_m - 0.5), Vec3(16, 15, kGroundBelow_m));
+  scene.Box({"ground", Label::kGround}, Vec3(-40, -40, kGroundBelow_m - 0.5), Vec3(40, 40, kGroundBelow_m));
   for (const Rect& plate : CoverAround(kOutline, {kStairwells[0], kStairwells[1]})) {
     scene.Box(floor, Vec3(plate.min.x(), plate.min.y(), -kThickness_m),
               Vec3(plate.max.x(), plate.max.y(), 0.0));

@@ -135,15 +135,25 @@ TriMesh MakeCapsule(double radius, double half_length, const Pose& T, int corner
 }
 
 TriMesh MakeExtrusion(const std::vector<Vec2>& polygon, double z0, double z1, const Pose& T) {
+  return MakeProfileLoft({polygon, polygon}, {z0, z1}, T);
+}
+
+TriMesh MakeProfileLoft(const std::vector<std::vector<Vec2>>& outlines, const std::vector<double>& z,
+                        const Pose& T) {
+  assert(outlines.size() == z.size() && z.size() >= 2);
   TriMesh mesh;
-  const auto n = static_cast<uint32_t>(polygon.size());
-  for (double z : {z0, z1}) {
-    for (const Vec2& p : polygon) AddVertex(mesh, T * Vec3(p.x(), p.y(), z));
+  const auto n = static_cast<uint32_t>(outlines[0].size()), last = static_cast<uint32_t>((z.size() - 1) * n);
+  for (size_t k = 0; k < z.size(); ++k) {
+    assert(outlines[k].size() == n);
+    for (const Vec2& p : outlines[k]) AddVertex(mesh, T * Vec3(p.x(), p.y(), z[k]));
   }
-  for (uint32_t j = 0; j < n; ++j) AddQuad(mesh, j, (j + 1) % n, n + (j + 1) % n, n + j);
-  for (const auto& t : TriangulatePolygon(polygon)) {
-    mesh.triangles.push_back({t[0], t[2], t[1]});
-    mesh.triangles.push_back({n + t[0], n + t[1], n + t[2]});
+  for (uint32_t base = 0; base < last; base += n) {
+    for (uint32_t j = 0; j < n; ++j)
+      AddQuad(mesh, base + j, base + (j + 1) % n, base + n + (j + 1) % n, base + n + j);
+  }
+  for (const auto& t : TriangulatePolygon(outlines.front())) mesh.triangles.push_back({t[0], t[2], t[1]});
+  for (const auto& t : TriangulatePolygon(outlines.back())) {
+    mesh.triangles.push_back({last + t[0], last + t[1], last + t[2]});
   }
   FaceOutward(mesh);
   return mesh;

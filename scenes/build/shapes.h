@@ -34,6 +34,11 @@ core::TriMesh MakeCapsule(double radius, double half_length, const core::Pose& T
 core::TriMesh MakeExtrusion(const std::vector<core::Vec2>& polygon, double z0, double z1,
                             const core::Pose& T_map_polygon);
 
+/// Outlines with equal corner counts (counter-clockwise, may be concave), the k-th at local z = z[k], skinned
+/// and capped: a body whose side view changes over its width. @pre z ascends.
+core::TriMesh MakeProfileLoft(const std::vector<std::vector<core::Vec2>>& outlines,
+                              const std::vector<double>& z, const core::Pose& T_map_outline);
+
 /// A round bar of constant radius along a polyline, mitred at the bends. @pre consecutive points differ and
 /// no bend is sharper than 90 degrees.
 core::TriMesh MakeTube(const std::vector<core::Vec3>& path, double radius, int corners = 12);
