@@ -37,6 +37,8 @@ struct NbvParams {
   // Termination, Eq. 3.8 made scale-free.
   double stop_ratio = 0.05;     ///< of the first view's utility
   int stop_rounds = 2;          ///< low rounds in a row
+  double flat_share = 0.01;     ///< a sweep that adds less of all surface seen so far counts as flat
+  int flat_rounds = 4;          ///< flat sweeps in a row that stop whatever views promise
   double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
   int blacklist_after = 2;      ///< views that gained nothing here so often are dropped
   int rrt_star_iterations = 2000;
@@ -92,6 +94,10 @@ struct PlannerEntry {
   std::string doc;
 };
 const std::vector<PlannerEntry>& PlannerCatalog();
+
+/// The planner's own defaults: `thesis` decides by occlusion aware with the discrete traversal cost, `greedy`
+/// is what a default NbvParams holds. @throws InputError for an unknown name.
+NbvParams DefaultParams(const std::string& name);
 
 /// @throws InputError for an unknown planner or gain.
 std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const robots::RobotSpec& robot,

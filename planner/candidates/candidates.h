@@ -1,0 +1,38 @@
+// Where the robot could scan next: places it can reach, and how (thesis 3.5, first phase).
+#pragma once
+
+#include <vector>
+
+#include "core/geometry.h"
+#include "core/rng.h"
+#include "planner/candidates/walkable.h"
+
+namespace atlas::planner {
+
+/// A place and the way to it, as a tree from the robot.
+struct CandidateNode {
+  core::Vec2 p_map = core::Vec2::Zero();
+  int parent = -1;             ///< -1: reached straight from the robot
+  double path_length_m = 0.0;  ///< along the tree from the robot
+};
+
+struct CandidateTree {
+  std::vector<CandidateNode> nodes;
+  int attempts = 0;
+
+  /// Waypoints from the robot (its own position first) to a node.
+  std::vector<core::Vec2> PathTo(int node, const core::Vec2& start) const;
+};
+
+/// RRT nodes as in the thesis, at most `nodes` of them.
+CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, const core::Rng& rng);
+
+/// Every point of a lattice with this spacing (multiples of it in the map, so that places repeat between
+/// plans) that can be reached by free steps between neighbours; each with its shortest way.
+CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m);
+
+/// At most `count` indices of nodes that are spread out: repeatedly the one farthest from all chosen so far
+/// and from `start` (ties: the lower index).
+std::vector<int> SpreadOut(const std::vector<CandidateNode>& nodes, const core::Vec2& start, int count);
+
+}  // namespace atlas::planner

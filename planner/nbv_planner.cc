@@ -1,0 +1,266 @@
+#include "planner/nbv_planner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.h"
+#include "planner/candidates/candidates.h"
+#include "planner/gain/gain.h"
+#include "planner/gain/view_evaluator.h"
+#include "planner/path/view_path.h"
+#include "planner/utility/costs.h"
+#include "planner/utility/termination.h"
+#include "planner/utility/view_memory.h"
+
+namespace atlas::planner {
+namespace {
+
+using core::Pose;
+using core::Vec2;
+using core::Vec3;
+
+constexpr double kLatticeSpacing_m = 0.5;
+/// A view counts as the committed one within this distance and turn.
+constexpr double kSameView_m = 0.5;
+constexpr double kSameView_rad = core::Radians(50.0);
+/// Ways tried, best view first, before a plan gives up.
+constexpr int kMostPathTries = 10;
+
+std::vector<std::string> GainsAsked(const NbvParams& params) {
+  std::vector<std::string> gains = {params.gain};
+  gains.insert(gains.end(), params.extra_gains.begin(), params.extra_gains.end());
+  return gains;
+}
+
+/// Headings spread evenly, one pair of them broadside to the nearest point of the object box: a roll widens
+/// the view abeam.
+std::vector<double> HeadingsAt(const Vec2& p_map, const core::Box3& box, int headings) {
+  const Vec2 nearest = p_map.cwiseMax(box.min.head<2>()).cwiseMin(box.max.head<2>());
+  const Vec2 to_box =
+      (nearest - p_map).norm() > 1e-6 ? nearest - p_map : Vec2(box.Center().head<2>() - p_map);
+  const double broadside = std::atan2(to_box.y(), to_box.x()) + 0.5 * core::kPi;
+  std::vector<double> yaw(static_cast<size_t>(headings));
+  for (int i = 0; i < headings; ++i) {
+    yaw[static_cast<size_t>(i)] = core::WrapAngle(broadside + 2.0 * core::kPi * i / headings);
+  }
+  return yaw;
+}
+
+class Planner final : public NbvPlanner {
+ public:
+  Planner(const NbvParams& params, const SweepSensorModel& sensor, const core::Box3& object_box, int threads,
+          const core::Rng& rng)
+      : params_(params),
+        object_box_(object_box),
+        evaluator_(sensor, object_box, {GainsAsked(params), params.rays, params.max_range_m}),
+        threads_(threads),
+        rng_(rng.Split("nbv_planner")),
+        termination_({params.stop_ratio, params.flat_share, params.stop_rounds, params.flat_rounds}) {
+    traversal_.time_scale_s = params.time_scale_s;
+    traversal_.slope_scale_rad = core::Radians(params.terrain.critical_slope_deg);
+    traversal_.roughness_scale_m = params.terrain.critical_roughness_m;
+  }
+
+  void OnSweep(const Pose& T_map_base, size_t new_surface) override {
+    memory_.RecordSweep(T_map_base, new_surface);
+  }
+  NbvDecision Plan(const Pose& T_map_base, const mapping::OccupancyView& map,
+                   const TraversableGround& terrain) override;
+
+ private:
+  CandidateTree PickPlaces(const Walkable& walkable, const core::Rng& rng) const;
+  void EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable, const CandidateTree& tree,
+                     NbvDecision* decision) const;
+  void ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
+                   const CandidateTree& tree, NbvDecision* decision) const;
+  std::vector<int> RankViews(NbvDecision* decision) const;
+  void FindWay(const Walkable& walkable, const CandidateTree& tree, const std::vector<int>& ranked,
+               const core::Rng& rng, NbvDecision* decision) const;
+
+  NbvParams params_;
+  core::Box3 object_box_;
+  ViewEvaluator evaluator_;
+  TraversalModel traversal_;
+  int threads_;
+  core::Rng rng_;
+  ViewMemory memory_;
+  Termination termination_;
+  int plans_ = 0;
+};
+
+NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& map,
+                          const TraversableGround& terrain) {
+  const core::Rng rng = rng_.Split("plan" + std::to_string(plans_++));
+  const Walkable walkable(terrain, T_map_base.translation().head<2>());
+  NbvDecision decision;
+
+  const CandidateTree tree = PickPlaces(walkable, rng);
+  decision.nodes_obtained = static_cast<int>(tree.nodes.size());
+  decision.attempts = tree.attempts;
+  if (tree.nodes.empty()) return decision;
+
+  EvaluateGains(map, walkable, tree, &decision);
+  ChargeCosts(T_map_base, map, walkable, tree, &decision);
+  const std::vector<int> ranked = RankViews(&decision);
+
+  const double best_utility =
+      ranked.empty() ? 0.0 : decision.candidates[static_cast<size_t>(ranked[0])].utility;
+  termination_.Observe(best_utility, memory_.latest_surface_share());
+  decision.utility_ratio = termination_.ratio();
+  if (termination_.Exhausted() || best_utility <= 0.0) {
+    decision.outcome = NbvOutcome::kGainExhausted;
+    return decision;
+  }
+
+  FindWay(walkable, tree, ranked, rng, &decision);
+  if (decision.outcome == NbvOutcome::kView) {
+    const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
+    memory_.Commit({view.p_map, view.yaw_rad});
+  } else {
+    memory_.Release();
+  }
+  return decision;
+}
+
+CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng) const {
+  CandidateTree rrt = RrtCandidates(walkable, params_.nodes, params_.rrt_step_m, rng.Split("rrt"));
+  if (params_.name == "thesis") return rrt;
+  // A lattice misses no corner that the RRT happens not to fill; the RRT's nodes are left out where it has
+  // any.
+  CandidateTree lattice = LatticeCandidates(walkable, kLatticeSpacing_m);
+  lattice.attempts += rrt.attempts;
+  return lattice.nodes.empty() ? rrt : lattice;
+}
+
+void Planner::EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable,
+                            const CandidateTree& tree, NbvDecision* decision) const {
+  const std::vector<int> places = SpreadOut(tree.nodes, walkable.start(), params_.nodes);
+  std::vector<ViewNode> nodes;
+  for (const int place : places) {
+    const Vec2& p = tree.nodes[static_cast<size_t>(place)].p_map;
+    nodes.push_back({Vec3(p.x(), p.y(), walkable.ground().SurfaceAt(p).height_m),
+                     HeadingsAt(p, object_box_, params_.headings)});
+  }
+  const auto gains = evaluator_.Evaluate(map, nodes, threads_, &decision->rays_traced);
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    for (size_t h = 0; h < nodes[i].yaw_rad.size(); ++h) {
+      const ViewGain& view = gains[i][h];
+      Candidate c;
+      c.p_map = nodes[i].ground_map.head<2>();
+      c.ground_m = nodes[i].ground_map.z();
+      c.yaw_rad = nodes[i].yaw_rad[h];
+      c.node = places[i];
+      c.path_length_m = tree.nodes[static_cast<size_t>(places[i])].path_length_m;
+      c.gain = view.gain[0];
+      c.extra_gains.assign(view.gain.begin() + 1, view.gain.end());
+      c.gain_void = view.by_end[static_cast<size_t>(EndClass::kVoid)];
+      c.gain_ground = view.by_end[static_cast<size_t>(EndClass::kGround)];
+      c.gain_object = view.by_end[static_cast<size_t>(EndClass::kObject)];
+      decision->candidates.push_back(c);
+    }
+  }
+}
+
+void Planner::ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
+                          const CandidateTree& tree, NbvDecision* decision) const {
+  const double yaw = core::YawOf(T_map_base.linear());
+  const double ground_m = walkable.ground().SurfaceAt(walkable.start()).height_m;
+  const ObjectDistance object(map, ground_m);
+  for (Candidate& c : decision->candidates) {
+    if (params_.visited_cost) {
+      c.visited_cost =
+          PositionCost(DistanceToVisited(c.p_map, memory_.visited()), params_.visited_threshold_m);
+    }
+    if (params_.too_close_cost) {
+      const Vec3 sensor(c.p_map.x(), c.p_map.y(), c.ground_m + evaluator_.view().sensor_height_m());
+      const double distance = object.At(sensor, params_.too_close_threshold_m + 0.1);
+      c.too_close_cost = PositionCost(distance, params_.too_close_threshold_m);
+    }
+    c.position_cost = std::max(c.visited_cost, c.too_close_cost);
+    const double penalty = IsBehind(c.p_map, T_map_base) ? params_.behind_penalty : 0.0;
+    double way = 0.0;  // the thesis's classes: what the tree reaches is safe
+    if (params_.traversal == "continuous") {
+      const std::vector<Vec2> path = tree.PathTo(c.node, walkable.start());
+      way = ContinuousTraversalCost(traversal_, WalkTime(traversal_, walkable, path, yaw, c.yaw_rad));
+    }
+    c.traversal_cost = CombineCosts(way, penalty);
+    c.utility = Utility(c.gain, c.position_cost, c.traversal_cost);
+  }
+}
+
+/// Candidates that may be chosen, best first; the rest get the reason why not. A commitment comes first
+/// unless another view beats it by the margin.
+std::vector<int> Planner::RankViews(NbvDecision* decision) const {
+  std::vector<int> ranked;
+  for (size_t i = 0; i < decision->candidates.size(); ++i) {
+    Candidate& c = decision->candidates[i];
+    if (c.utility <= 0.0) {
+      c.reason = LossReason::kNoGain;
+    } else if (memory_.BrokenPromisesNear(c.p_map) >= params_.blacklist_after) {
+      c.reason = LossReason::kBlacklisted;
+    } else {
+      ranked.push_back(static_cast<int>(i));
+    }
+  }
+  const auto utility = [&](int i) { return decision->candidates[static_cast<size_t>(i)].utility; };
+  std::stable_sort(ranked.begin(), ranked.end(), [&](int a, int b) { return utility(a) > utility(b); });
+  if (!memory_.commitment()) return ranked;
+  const auto kept = std::find_if(ranked.begin(), ranked.end(), [&](int i) {
+    const Candidate& c = decision->candidates[static_cast<size_t>(i)];
+    return (c.p_map - memory_.commitment()->p_map).norm() < kSameView_m &&
+           std::abs(core::WrapAngle(c.yaw_rad - memory_.commitment()->yaw_rad)) < kSameView_rad;
+  });
+  if (kept != ranked.end() && utility(*kept) * (1.0 + params_.commit_margin) >= utility(ranked.front())) {
+    std::rotate(ranked.begin(), kept, kept + 1);
+  }
+  return ranked;
+}
+
+void Planner::FindWay(const Walkable& walkable, const CandidateTree& tree, const std::vector<int>& ranked,
+                      const core::Rng& rng, NbvDecision* decision) const {
+  decision->outcome = NbvOutcome::kNoPath;
+  for (size_t i = 0; i < ranked.size() && i < kMostPathTries; ++i) {
+    Candidate& c = decision->candidates[static_cast<size_t>(ranked[i])];
+    const std::vector<Vec2> tree_path = tree.PathTo(c.node, walkable.start());
+    decision->path_map = PlanViewPath(walkable, tree_path, params_.rrt_star_iterations, rng.Split("path"));
+    decision->path_length_m = PathLength(decision->path_map);
+    decision->best = ranked[i];
+    decision->outcome = NbvOutcome::kView;
+    c.reason = LossReason::kChosen;
+    return;
+  }
+}
+
+}  // namespace
+
+const std::vector<PlannerEntry>& PlannerCatalog() {
+  static const std::vector<PlannerEntry> catalog = {
+      {"thesis", "RRT nodes, utility Eq. 3.1 with discrete traversal cost (thesis 3.4, 3.5)"},
+      {"greedy", "lattice and RRT views, continuous traversal cost"},
+  };
+  return catalog;
+}
+
+NbvParams DefaultParams(const std::string& name) {
+  NbvParams params;
+  params.name = name;
+  if (name == "greedy") return params;
+  if (name == "thesis") {
+    params.gain = "occlusion_aware";
+    params.traversal = "discrete";
+    return params;
+  }
+  std::vector<std::string> names;
+  for (const PlannerEntry& entry : PlannerCatalog()) names.push_back(entry.name);
+  throw core::InputError(core::UnknownName("planner", name, names));
+}
+
+std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const robots::RobotSpec&,
+                                           const SweepSensorModel& sensor, const core::Box3& object_box,
+                                           int threads, const core::Rng& rng) {
+  DefaultParams(params.name);  // throws for an unknown name
+  FindGain(params.gain);
+  return std::make_unique<Planner>(params, sensor, object_box, threads, rng);
+}
+
+}  // namespace atlas::planner

@@ -1,0 +1,75 @@
+#include "planner/gain/gain.h"
+#include "planner/nbv_planner.h"
+
+namespace atlas::planner {
+namespace {
+
+std::vector<std::string> PlannerNames() {
+  std::vector<std::string> names;
+  for (const PlannerEntry& entry : PlannerCatalog()) names.push_back(entry.name);
+  return names;
+}
+
+void VisitCosts(core::ParamVisitor& v, NbvParams* p) {
+  v.Field("visited_cost", &p->visited_cost, {.doc = "position cost near places already scanned (Eq. 3.7)"});
+  v.Field("visited_threshold_m", &p->visited_threshold_m,
+          {.unit = "m", .min = 0.05, .max = 20.0, .doc = "d_thres of the visited term"});
+  v.Field("too_close_cost", &p->too_close_cost, {.doc = "position cost near the object (Eq. 3.7)"});
+  v.Field("too_close_threshold_m", &p->too_close_threshold_m,
+          {.unit = "m", .min = 0.05, .max = 20.0, .doc = "d_thres of the too-close term"});
+  v.Field(
+      "behind_penalty", &p->behind_penalty,
+      {.min = 0.0, .max = 1.0, .doc = "constant traversal cost of views behind the robot (thesis 3.4.2)"});
+  v.Field("traversal", &p->traversal,
+          {.choices = {"discrete", "continuous"},
+           .doc = "discrete: reachable costs nothing (thesis); continuous: time, slope, roughness, turning"});
+  v.Field("time_scale_s", &p->time_scale_s,
+          {.unit = "s", .min = 1.0, .max = 1e6, .doc = "continuous: a way of this long costs 1 - 1/e"});
+}
+
+void VisitTermination(core::ParamVisitor& v, NbvParams* p) {
+  v.Field("stop_ratio", &p->stop_ratio,
+          {.min = 0.0,
+           .max = 1.0,
+           .doc = "stop below this share of the first view's utility (Eq. 3.8, scale-free)"});
+  v.Field("stop_rounds", &p->stop_rounds,
+          {.min = 1, .max = 100, .doc = "low rounds in a row before stopping"});
+  v.Field(
+      "flat_share", &p->flat_share,
+      {.min = 0.0, .max = 1.0, .doc = "a sweep that adds less of the surface seen so far counts as flat"});
+  v.Field("flat_rounds", &p->flat_rounds,
+          {.min = 1, .max = 100, .doc = "flat sweeps in a row that stop the mission whatever views promise"});
+  v.Field("commit_margin", &p->commit_margin,
+          {.min = 0.0, .max = 10.0, .doc = "a commitment stays unless another view is this much better"});
+  v.Field("blacklist_after", &p->blacklist_after,
+          {.min = 1, .max = 100, .doc = "views here that brought nothing, before the place is dropped"});
+}
+
+}  // namespace
+
+void NbvParams::Visit(core::ParamVisitor& v) {
+  v.Field("name", &name,
+          {.choices = PlannerNames(), .doc = "thesis: the faithful set; greedy: the improved one"});
+  v.Field("gain", &gain, {.choices = GainNames(), .doc = "information gain that decides"});
+  v.Field("extra_gains", &extra_gains,
+          {.choices = GainNames(), .doc = "also computed from the same rays and logged for every candidate"});
+  v.Field("nodes", &nodes, {.min = 1, .max = 10000, .doc = "places where views are evaluated (thesis: 150)"});
+  v.Field("window_m", &window_m,
+          {.unit = "m",
+           .min = 2.0,
+           .max = 100.0,
+           .doc = "side of the square around the robot that planning may use"});
+  v.Field("rrt_step_m", &rrt_step_m, {.unit = "m", .min = 0.1, .max = 5.0, .doc = "longest edge of the RRT"});
+  v.Field("headings", &headings, {.min = 1, .max = 64, .doc = "headings evaluated at every place"});
+  v.Field("rays", &rays,
+          {.min = 100, .max = 1000000, .doc = "rays of every view inside the object box, at least"});
+  v.Field("max_range_m", &max_range_m,
+          {.unit = "m", .min = 1.0, .max = 200.0, .doc = "range to which views are predicted"});
+  VisitCosts(v, this);
+  VisitTermination(v, this);
+  v.Field("rrt_star_iterations", &rrt_star_iterations,
+          {.min = 0, .max = 100000, .doc = "iterations of RRT* on the way to the view"});
+  v.Section("terrain", &terrain);
+}
+
+}  // namespace atlas::planner

@@ -1,0 +1,24 @@
+// The way to a view: RRT* over the traversable ground, then short cuts (thesis 3.5, second phase).
+#pragma once
+
+#include <vector>
+
+#include "core/rng.h"
+#include "planner/candidates/walkable.h"
+
+namespace atlas::planner {
+
+/// Length of a polyline, metres.
+double PathLength(const std::vector<core::Vec2>& path);
+
+/// Replans `tree_path` (from the robot to the view, feasible) by RRT* around it and straightens the result;
+/// the straightened tree path where RRT* finds nothing better. Starts and ends where `tree_path` does.
+/// @pre tree_path has at least one point.
+std::vector<core::Vec2> PlanViewPath(const Walkable& walkable, const std::vector<core::Vec2>& tree_path,
+                                     int iterations, const core::Rng& rng);
+
+/// Drops every waypoint that a free straight step can skip without more effort. Waypoints that stay are ones
+/// of `path`, where the robot can turn.
+std::vector<core::Vec2> Shortcut(const Walkable& walkable, const std::vector<core::Vec2>& path);
+
+}  // namespace atlas::planner

@@ -1,0 +1,78 @@
+#include "planner/utility/costs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace atlas::planner {
+namespace {
+
+using core::Vec2;
+using core::Vec3;
+
+constexpr double kGroundBand_m = 0.15;
+
+}  // namespace
+
+double PositionCost(double distance_m, double threshold_m) {
+  return distance_m > threshold_m ? 0.0 : 1.0 - distance_m / threshold_m;  // Eq. 3.7
+}
+
+double Utility(double gain, double position_cost, double traversal_cost) {
+  return gain * (1.0 - position_cost) * (1.0 - traversal_cost);  // Eq. 3.1
+}
+
+double DistanceToVisited(const Vec2& p_map, const std::vector<Vec2>& visited) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Vec2& q : visited) nearest = std::min(nearest, (p_map - q).norm());
+  return nearest;
+}
+
+ObjectDistance::ObjectDistance(const mapping::OccupancyView& map, double ground_m)
+    : map_(map), ground_m_(ground_m) {
+  for (const core::Vec3f& center : map.OccupiedCenters()) {
+    if (center.z() > ground_m + kGroundBand_m) centers_.push_back(center);
+  }
+}
+
+double ObjectDistance::At(const Vec3& p_map, double limit_m) const {
+  // The map's own answer is enough unless the ground is what is near.
+  const double any = map_.DistanceToOccupied(p_map, limit_m);
+  if (any >= limit_m || any < p_map.z() - ground_m_ - kGroundBand_m) return std::min(any, limit_m);
+  const core::Vec3f p = p_map.cast<float>();
+  float nearest = static_cast<float>(limit_m * limit_m);
+  for (const core::Vec3f& center : centers_) nearest = std::min(nearest, (center - p).squaredNorm());
+  return std::sqrt(static_cast<double>(nearest));
+}
+
+double WalkTime(const TraversalModel& model, const Walkable& walkable, const std::vector<Vec2>& path,
+                double yaw_rad, double final_yaw_rad) {
+  double time_s = 0.0, turned_rad = 0.0, heading = yaw_rad;
+  for (size_t i = 1; i < path.size(); ++i) {
+    const Vec2 step = path[i] - path[i - 1];
+    if (step.norm() < 1e-6) continue;
+    const double yaw = std::atan2(step.y(), step.x());
+    turned_rad += std::abs(core::WrapAngle(yaw - heading));
+    heading = yaw;
+    const TraversableGround::Surface surface = walkable.ground().SurfaceAt(0.5 * (path[i] + path[i - 1]));
+    const double hardship = std::min(1.0, std::max(std::abs(surface.slope_rad) / model.slope_scale_rad,
+                                                   surface.roughness_m / model.roughness_scale_m));
+    time_s += step.norm() / (model.speed_mps * (1.0 - 0.5 * hardship));
+  }
+  turned_rad += std::abs(core::WrapAngle(final_yaw_rad - heading));
+  return time_s + turned_rad / model.turn_rate_radps;
+}
+
+double ContinuousTraversalCost(const TraversalModel& model, double walk_time_s) {
+  return 1.0 - std::exp(-walk_time_s / model.time_scale_s);
+}
+
+bool IsBehind(const Vec2& p_map, const core::Pose& T_map_base) {
+  const Vec2 to_p = p_map - T_map_base.translation().head<2>();
+  return to_p.dot(T_map_base.linear().col(0).head<2>()) < 0.0;
+}
+
+double CombineCosts(double a, double b) {
+  return 1.0 - (1.0 - a) * (1.0 - b);
+}
+
+}  // namespace atlas::planner
