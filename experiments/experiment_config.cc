@@ -10,7 +10,9 @@
 namespace atlas::experiments {
 namespace fs = std::filesystem;
 
-void NamedParams::Visit(core::ParamVisitor& v) { v.Field("name", &name, {.doc = doc}); }
+void NamedParams::Visit(core::ParamVisitor& v) {
+  v.Field("name", &name, {.doc = doc});
+}
 
 void MissionParams::Visit(core::ParamVisitor& v) {
   v.Field("max_scans", &max_scans, {.min = 1, .max = 1000, .doc = "scan budget"});
@@ -21,7 +23,10 @@ void MissionParams::Visit(core::ParamVisitor& v) {
   v.Field("integration_latency_s", &integration_latency_s,
           {.unit = "s", .min = 0, .max = 60, .doc = "simulated time that integrating a sweep takes"});
   v.Field("coverage_radius_m", &coverage_radius_m,
-          {.unit = "m", .min = 0.005, .max = 0.5, .doc = "a true point is covered by a measured one this near (Eq. 3.9)"});
+          {.unit = "m",
+           .min = 0.005,
+           .max = 0.5,
+           .doc = "a true point is covered by a measured one this near (Eq. 3.9)"});
   v.Field("truth_spacing_m", &truth_spacing_m,
           {.unit = "m", .min = 0.005, .max = 0.1, .doc = "spacing of the ground-truth cloud"});
   v.Field("flat_coverage", &flat_coverage,
@@ -57,7 +62,8 @@ std::vector<ExperimentEntry> ListExperiments() {
   return entries;
 }
 
-ExperimentConfig LoadExperiment(const std::string& name_or_path, const std::vector<std::string>& assignments) {
+ExperimentConfig LoadExperiment(const std::string& name_or_path,
+                                const std::vector<std::string>& assignments) {
   const fs::path configs = core::InstalledFile("experiments/configs");
   fs::path path = name_or_path;
   if (path.extension() != ".yaml") {

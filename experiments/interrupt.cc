@@ -23,6 +23,8 @@ void InstallInterruptHandler() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-bool Interrupted() { return g_signals > 0; }
+bool Interrupted() {
+  return g_signals > 0;
+}
 
 }  // namespace atlas::experiments

@@ -1,0 +1,178 @@
+#include "experiments/closed_loop.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "core/lidar_model.h"
+#include "experiments/mission_metrics.h"
+#include "experiments/stopwatch.h"
+#include "experiments/terrain_feed.h"
+#include "robots/robot_spec.h"
+#include "scenes/catalog.h"
+
+namespace atlas::experiments {
+namespace {
+
+using core::Pose;
+using planner::NbvOutcome;
+
+constexpr double kTerrainRefreshPeriodS = 0.5;
+constexpr int kMaxFailedWalks = 3;
+
+/// Everything that takes part in a mission, built from its configuration.
+struct Mission {
+  Mission(const ExperimentConfig& config, const RunOptions& options)
+      : config(config),
+        options(options),
+        rng(options.seed),
+        scene(scenes::LoadScene(config.scene.name)),
+        robot(robots::LoadRobot(config.robot.name)),
+        metrics(config, options, scene, robot),
+        simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
+        mapper(mapping::MakeMapper(config.mapper, scene.object_box)),
+        terrain(config.planner.terrain, robot),
+        feed(&terrain, kTerrainRefreshPeriodS),
+        planner(planner::MakeNbvPlanner(config.planner, robot, SensorModel(), scene.object_box,
+                                        options.threads, rng.Split("planner"))) {
+    terrain.InitialiseUnderRobot(T_map_base());
+    simulator->SetSink(&feed);
+    simulator->SetStop(options.should_stop);
+    metrics.Attach(simulator.get());
+  }
+
+  static sim::SimParams SimParamsFor(const ExperimentConfig& config, const RunOptions& options) {
+    sim::SimParams params = config.sim;
+    params.sensors.threads = options.threads;
+    return params;
+  }
+
+  planner::SweepSensorModel SensorModel() const {
+    const std::string& name = config.sim.sensors.lidar;
+    return {.lidar = core::FindLidarModel(name == "robot" ? robot.lidar_model : name),
+            .T_base_lidar = robot.T_base_lidar,
+            .base_height_m = robot.stance_height_m,
+            .roll_rad = core::Radians(config.sim.locomotion.sweep_roll_deg)};
+  }
+
+  Pose T_map_base() const { return simulator->T_map_odom() * simulator->T_odom_base(); }
+
+  const ExperimentConfig& config;
+  const RunOptions& options;
+  core::Rng rng;
+  scenes::SceneSpec scene;
+  robots::RobotSpec robot;
+  MissionMetrics metrics;
+  std::unique_ptr<sim::Simulator> simulator;
+  std::unique_ptr<mapping::Mapper> mapper;
+  planner::ElevationMap terrain;
+  TerrainFeed feed;
+  std::unique_ptr<planner::NbvPlanner> planner;
+};
+
+struct Ending {
+  RunStatus status;
+  StopReason reason;
+};
+
+std::optional<Ending> EndingOf(sim::MotionStatus status) {
+  switch (status) {
+    case sim::MotionStatus::kFell:
+      return Ending{RunStatus::kRobotFell, StopReason::kFell};
+    case sim::MotionStatus::kStopped:
+      return Ending{RunStatus::kInterrupted, StopReason::kSignal};
+    case sim::MotionStatus::kReached:
+    case sim::MotionStatus::kStuck:
+      break;
+  }
+  return std::nullopt;
+}
+
+/// Sweeps and integrates; the planner learns how much surface was new.
+std::optional<Ending> SweepAndIntegrate(Mission* m) {
+  core::Sweep sweep;
+  const Stopwatch sweeping;
+  const sim::MotionStatus status = m->simulator->RollSweep(&sweep);
+  if (const auto ending = EndingOf(status)) return ending;
+  m->metrics.timing().sweep_wall_s = sweeping.seconds();
+
+  const size_t before = m->mapper->view().OccupiedCenters().size();
+  const Stopwatch integrating;
+  const core::PointCloud cloud = m->mapper->Integrate(sweep);
+  m->metrics.timing().integration_ms = 1e3 * integrating.seconds();
+  const size_t after = m->mapper->view().OccupiedCenters().size();
+  const size_t new_surface = after > before ? after - before : 0;
+  m->planner->OnSweep(m->T_map_base(), new_surface);
+  m->metrics.ObserveSweep(cloud, m->T_map_base(), new_surface, *m->mapper);
+  return EndingOf(m->simulator->Stand(m->config.mission.integration_latency_s));
+}
+
+planner::NbvDecision PlanNextView(Mission* m) {
+  const Stopwatch updating;
+  m->terrain.Update();
+  m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
+  const Stopwatch planning;
+  planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), m->terrain);
+  m->metrics.timing().nbv_time_s = planning.seconds();
+  return decision;
+}
+
+/// Own criterion or a budget; nothing if the mission goes on.
+std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDecision& decision) {
+  const MissionParams& mission = m.config.mission;
+  if (decision.outcome == NbvOutcome::kGainExhausted) {
+    return Ending{m.metrics.CoverageIsFlat() ? RunStatus::kCompleted : RunStatus::kBudget,
+                  StopReason::kGainExhausted};
+  }
+  if (decision.outcome != NbvOutcome::kView) return Ending{RunStatus::kStuck, StopReason::kNoCandidates};
+  if (m.metrics.scans() >= mission.max_scans) return Ending{RunStatus::kBudget, StopReason::kScanBudget};
+  if (m.simulator->time_s() >= mission.max_time_s) return Ending{RunStatus::kBudget, StopReason::kTimeBudget};
+  if (m.metrics.distance_m() >= mission.max_distance_m)
+    return Ending{RunStatus::kBudget, StopReason::kDistanceBudget};
+  return std::nullopt;
+}
+
+std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, int* failed_walks) {
+  const planner::Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
+  const Stopwatch walking;
+  const sim::WalkResult walk = m->simulator->Walk({decision.path_map, view.yaw_rad}, &m->terrain);
+  m->metrics.ObserveWalk(walk, walking.seconds());
+  if (const auto ending = EndingOf(walk.status)) return ending;
+  *failed_walks = walk.status == sim::MotionStatus::kStuck ? *failed_walks + 1 : 0;
+  if (*failed_walks >= kMaxFailedWalks) return Ending{RunStatus::kStuck, StopReason::kStuck};
+  return std::nullopt;
+}
+
+Ending RunMission(Mission* m) {
+  int failed_walks = 0;
+  while (true) {
+    m->metrics.BeginScan();
+    m->metrics.Report("sweeping");
+    if (const auto ending = SweepAndIntegrate(m)) return *ending;
+    m->metrics.Report("planning");
+    const planner::NbvDecision decision = PlanNextView(m);
+    const auto ending = StopAfterPlanning(*m, decision);
+    m->metrics.FinishScan(decision);
+    if (ending) return *ending;
+    if (const auto stopped = EndingOf(m->simulator->Stand(m->config.mission.planning_latency_s)))
+      return *stopped;
+    m->metrics.Report("walking");
+    if (const auto stopped = WalkTo(m, decision, &failed_walks)) return *stopped;
+  }
+}
+
+}  // namespace
+
+RunSummary RunClosedLoop(const ExperimentConfig& config, const RunOptions& options) {
+  Mission mission(config, options);
+  Ending ending{RunStatus::kFailed, StopReason::kError};
+  try {
+    ending = RunMission(&mission);
+  } catch (...) {
+    mission.metrics.Finish(RunStatus::kFailed, StopReason::kError, *mission.mapper);
+    throw;
+  }
+  return mission.metrics.Finish(ending.status, ending.reason, *mission.mapper);
+}
+
+}  // namespace atlas::experiments

@@ -1,0 +1,163 @@
+#include "experiments/mission_metrics.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "core/files.h"
+#include "experiments/metrics/attainable.h"
+#include "experiments/metrics/scene_surface.h"
+
+namespace atlas::experiments {
+namespace {
+
+constexpr double kPoseLogRateHz = 10.0;
+
+RunSummary IdentityOf(const ExperimentConfig& config, const RunOptions& options) {
+  RunSummary s;
+  s.experiment = config.experiment;
+  s.scene = config.scene.name;
+  s.robot = config.robot.name;
+  s.locomotion = config.sim.locomotion.name;
+  s.odometry = "proprioceptive";
+  s.mapper = config.mapper.name;
+  s.planner = config.planner.name;
+  s.gain = config.planner.gain;
+  s.version = ATLAS_VERSION;
+  s.commit = ATLAS_COMMIT;
+  s.seed = options.seed;
+  return s;
+}
+
+double PeakRssBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+}  // namespace
+
+MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions& options,
+                               const scenes::SceneSpec& scene, const robots::RobotSpec& robot)
+    : config_(config),
+      options_(options),
+      scene_(scene),
+      recorder_(std::make_unique<RunRecorder>(options.folder, IdentityOf(config, options))),
+      log_rng_(options.seed) {
+  core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
+  options_.progress("sampling the ground truth", false);
+  truth_ = scenes::SampleGroundTruth(scene, config.mission.truth_spacing_m);
+  meter_ = std::make_unique<CoverageMeter>(
+      truth_, CoverageMeter::Options{.radius_m = config.mission.coverage_radius_m});
+  attainable_ = AttainableFor(config, options, scene, robot, truth_);
+  const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
+  recorder_->mutable_summary()->coverage_attainable =
+      truth_.points.empty() ? 0.0 : attained / static_cast<double>(truth_.points.size());
+  core::PointCloud cloud;
+  cloud.points = truth_.points;
+  core::WritePly(options.folder / "ground_truth.ply", core::DownsampleFirst(cloud, 0.03));
+}
+
+void MissionMetrics::Attach(sim::Simulator* simulator) {
+  simulator_ = simulator;
+  recorder_->mutable_summary()->render_backend = simulator->render_backend();
+  simulator->SetStateObserver(
+      [this](const sim::Snapshot& state) {
+        recorder_->AddPose(state.time_s, simulator_->TrueBasePose(), simulator_->T_odom_base());
+      },
+      kPoseLogRateHz);
+  wall_ = Stopwatch();
+}
+
+void MissionMetrics::BeginScan() {
+  ++scans_;
+  step_ = StepRow{};
+  timing_ = TimingRow{.walk_wall_s = timing_.walk_wall_s};
+  step_.scan = timing_.scan = scans_;
+}
+
+void MissionMetrics::ObserveSweep(const core::PointCloud& cloud, const core::Pose& T_map_base,
+                                  size_t new_surface, const mapping::Mapper& mapper) {
+  const Stopwatch measuring;
+  meter_->AddCloud(cloud);
+  coverage_.push_back(meter_->coverage());
+  step_.sim_time_s = simulator_->time_s();
+  step_.distance_m = distance_m_;
+  step_.T_map_base = T_map_base;
+  step_.coverage_raw = meter_->coverage_raw();
+  step_.coverage = meter_->coverage();
+  step_.coverage_of_attainable = ShareOf(meter_->covered(), attainable_);
+  step_.cloud_points = cloud.points.size();
+  step_.new_surface_voxels = new_surface;
+  timing_.map_bytes = mapper.MapBytes();
+  timing_.metrics_ms = 1e3 * measuring.seconds();
+}
+
+void MissionMetrics::FinishScan(const planner::NbvDecision& decision) {
+  step_.outcome = NameOf(decision.outcome);
+  step_.candidates = static_cast<int>(decision.candidates.size());
+  step_.nodes = decision.nodes_obtained;
+  step_.rays = decision.rays_traced;
+  step_.utility_ratio = decision.utility_ratio;
+  step_.path_length_m = decision.path_length_m;
+  if (decision.best >= 0) {
+    const planner::Candidate& best = decision.candidates[static_cast<size_t>(decision.best)];
+    step_.gain = best.gain;
+    step_.utility = best.utility;
+  }
+  const sim::SafetyCounts& safety = simulator_->safety();
+  step_.falls = safety.falls;
+  step_.collisions = safety.collisions;
+  step_.shank_brushes = safety.shank_brushes;
+  step_.footholds = safety.footholds;
+  step_.footholds_off_solid = safety.footholds_off_solid;
+  step_.worst_foot_drop_m = safety.worst_foot_drop_m;
+  timing_.wall_time_s = wall_.seconds();
+  recorder_->AddDecision(scans_, decision, config_.planner.extra_gains);
+  recorder_->AddStep(step_, timing_);
+  timing_.walk_wall_s = 0.0;
+  Report("scanned", true);
+}
+
+void MissionMetrics::ObserveWalk(const sim::WalkResult& walk, double wall_s) {
+  distance_m_ += walk.distance_m;
+  timing_.walk_wall_s = wall_s;
+}
+
+RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const mapping::Mapper& mapper) {
+  RunSummary& summary = *recorder_->mutable_summary();
+  const CloudError error = meter_->MeasureCloudError(
+      scene_.object_box, SampleBackground(scene_, scene_.object_box.Inflated(0.3), 0.02));
+  if (error.points > 0) {
+    summary.cloud_error_m_mean = error.mean_m;
+    summary.cloud_error_m_p95 = error.p95_m;
+  }
+  summary.falls = simulator_->safety().falls;
+  summary.collisions = simulator_->safety().collisions;
+  summary.peak_rss_bytes = PeakRssBytes();
+  const RunSummary result =
+      recorder_->Finish(status, reason, simulator_->time_s(), distance_m_, wall_.seconds());
+  core::PointCloud cloud;
+  cloud.points = meter_->kept_points();
+  core::WritePly(options_.folder / "cloud.ply", cloud);
+  mapper.Save(options_.folder);
+  return result;
+}
+
+void MissionMetrics::Report(const std::string& stage, bool final) const {
+  const double time_s = simulator_->time_s();
+  options_.progress(
+      fmt::format("scan {:2d}  {:02d}:{:02d}  {:6.2f} m  coverage {:5.1f} %  of attainable {:5.1f} %  {:.1f} "
+                  "x real time  {}",
+                  scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
+                  100.0 * meter_->coverage(), 100.0 * ShareOf(meter_->covered(), attainable_),
+                  time_s / std::max(1e-3, wall_.seconds()), stage),
+      final);
+}
+
+bool MissionMetrics::CoverageIsFlat() const {
+  const auto rounds = static_cast<size_t>(config_.planner.stop_rounds);
+  if (coverage_.size() <= rounds) return false;
+  return coverage_.back() - coverage_[coverage_.size() - 1 - rounds] < config_.mission.flat_coverage;
+}
+
+}  // namespace atlas::experiments

@@ -1,0 +1,59 @@
+// What a mission is judged by. The only part of the loop that sees ground truth.
+#pragma once
+
+#include <memory>
+
+#include "experiments/closed_loop.h"
+#include "experiments/metrics/coverage.h"
+#include "experiments/metrics/run_recorder.h"
+#include "experiments/stopwatch.h"
+#include "mapping/mapper.h"
+#include "scenes/catalog.h"
+#include "sim/simulator.h"
+
+namespace atlas::experiments {
+
+class MissionMetrics {
+ public:
+  /// Samples the ground truth, finds what is attainable of it (cached between runs) and opens the run folder.
+  /// @throws InputError when the folder cannot be written.
+  MissionMetrics(const ExperimentConfig& config, const RunOptions& options, const scenes::SceneSpec& scene,
+                 const robots::RobotSpec& robot);
+  /// Follows the true pose of `simulator`, which outlives the mission.
+  void Attach(sim::Simulator* simulator);
+
+  void BeginScan();
+  void ObserveSweep(const core::PointCloud& cloud, const core::Pose& T_map_base, size_t new_surface,
+                    const mapping::Mapper& mapper);
+  void FinishScan(const planner::NbvDecision& decision);
+  void ObserveWalk(const sim::WalkResult& walk, double wall_s);
+  RunSummary Finish(RunStatus status, StopReason reason, const mapping::Mapper& mapper);
+
+  /// A progress line: scan, simulated time, distance, coverage, what is going on.
+  void Report(const std::string& stage, bool final = false) const;
+
+  /// Whether the last `planner.stop_rounds` scans added less than `mission.flat_coverage`.
+  bool CoverageIsFlat() const;
+  int scans() const { return scans_; }
+  double distance_m() const { return distance_m_; }
+  TimingRow& timing() { return timing_; }
+
+ private:
+  const ExperimentConfig& config_;
+  const RunOptions& options_;
+  const scenes::SceneSpec& scene_;
+  Stopwatch wall_;
+  scenes::GroundTruth truth_;
+  std::vector<uint8_t> attainable_;
+  std::unique_ptr<CoverageMeter> meter_;
+  std::unique_ptr<RunRecorder> recorder_;
+  sim::Simulator* simulator_ = nullptr;
+  core::Rng log_rng_;
+  int scans_ = 0;
+  double distance_m_ = 0.0;
+  std::vector<double> coverage_;  ///< a scan each
+  StepRow step_;
+  TimingRow timing_;
+};
+
+}  // namespace atlas::experiments

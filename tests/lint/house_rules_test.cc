@@ -1,0 +1,124 @@
+// The map of the house, kept true by reading the sources.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = ATLAS_SOURCE_DIR;
+const std::vector<std::string> kRooms = {"core",    "scenes",  "robots",      "sim",
+                                         "mapping", "planner", "experiments", "tests"};
+
+std::string Read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+std::vector<fs::path> Sources() {
+  std::vector<fs::path> files;
+  for (const std::string& room : kRooms) {
+    for (const auto& file : fs::recursive_directory_iterator(kRoot / room)) {
+      const std::string extension = file.path().extension();
+      if (extension == ".h" || extension == ".cc") files.push_back(fs::relative(file.path(), kRoot));
+    }
+  }
+  return files;
+}
+
+std::vector<std::string> IncludesOf(const fs::path& file) {
+  std::vector<std::string> includes;
+  const std::string text = Read(kRoot / file);
+  static const std::regex kInclude("(?:^|\n)#include [<\"]([^>\"]+)[>\"]");
+  for (std::sregex_iterator it(text.begin(), text.end(), kInclude), end; it != end; ++it)
+    includes.push_back((*it)[1]);
+  return includes;
+}
+
+std::string RoomOf(const std::string& path) {
+  return path.substr(0, path.find('/'));
+}
+
+TEST(HouseRules, RoomsIncludeOnlyTheRoomsBelowThem) {
+  const std::map<std::string, std::set<std::string>> allowed = {
+      {"core", {"core"}},
+      {"scenes", {"core", "scenes"}},
+      {"robots", {"core", "robots"}},
+      {"sim", {"core", "scenes", "robots", "sim"}},
+      {"mapping", {"core", "mapping"}},
+      {"planner", {"core", "robots", "mapping", "planner"}},
+      {"experiments", {"core", "scenes", "robots", "sim", "mapping", "planner", "experiments"}},
+      {"tests", {kRooms.begin(), kRooms.end()}}};
+  const std::set<std::string> rooms(kRooms.begin(), kRooms.end());
+  size_t checked = 0;
+  for (const fs::path& file : Sources()) {
+    for (const std::string& include : IncludesOf(file)) {
+      if (rooms.count(RoomOf(include)) == 0 || include.find('/') == std::string::npos) continue;
+      ++checked;
+      EXPECT_EQ(allowed.at(RoomOf(file.string())).count(RoomOf(include)), 1u)
+          << file << " includes " << include;
+    }
+  }
+  EXPECT_GT(checked, 100u);
+}
+
+TEST(HouseRules, ThirdPartyHeadersStayInTheirRoom) {
+  const std::vector<std::pair<std::regex, std::regex>> rules = {
+      {std::regex("mujoco/.*|embree3/.*|EGL/.*|GL/.*"), std::regex("(sim/.*\\.cc|tests/.*)")},
+      {std::regex("octomap/.*"), std::regex("(mapping/backends/octomap_.*\\.cc|tests/.*)")},
+      {std::regex("ompl/.*"), std::regex("planner/candidates/ompl_bridge\\.cc")},
+      {std::regex("ceres/.*"), std::regex("mapping/slam/.*")}};
+  size_t matched = 0;
+  for (const fs::path& file : Sources()) {
+    for (const std::string& include : IncludesOf(file)) {
+      for (const auto& [header, place] : rules) {
+        if (!std::regex_match(include, header)) continue;
+        ++matched;
+        EXPECT_TRUE(std::regex_match(file.string(), place)) << file << " includes " << include;
+      }
+    }
+  }
+  EXPECT_GT(matched, 3u);
+}
+
+TEST(HouseRules, LibrariesNeverPrint) {
+  const std::regex prints("std::(cout|cerr|clog)|[^a-z]printf\\(|fmt::print");
+  for (const fs::path& file : Sources()) {
+    const std::string room = RoomOf(file.string());
+    if (room == "experiments" || room == "tests") continue;
+    EXPECT_FALSE(std::regex_search(Read(kRoot / file), prints)) << file;
+  }
+}
+
+TEST(HouseRules, EquationIndexOfTheReadmeIsTrue) {
+  const std::string readme = Read(kRoot / "README.md");
+  const std::regex row("\\| Eq\\. ([0-9.]+)[^|]*\\|[^|]*\\| `([^`]+)` \\|");
+  size_t rows = 0;
+  for (std::sregex_iterator it(readme.begin(), readme.end(), row), end; it != end; ++it) {
+    const fs::path file = kRoot / (*it)[2].str();
+    ++rows;
+    ASSERT_TRUE(fs::exists(file)) << file;
+    EXPECT_NE(Read(file).find("Eq. " + (*it)[1].str()), std::string::npos)
+        << file << " does not name Eq. " << (*it)[1].str();
+  }
+  EXPECT_GE(rows, 8u);
+}
+
+TEST(HouseRules, SourcesAreFormatted) {
+  if (std::system("clang-format --version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "clang-format is not installed";
+  const std::string command =
+      "cd '" + kRoot.string() +
+      "' && git ls-files '*.h' '*.cc' | xargs clang-format --dry-run -Werror > /dev/null 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << "run: git ls-files '*.h' '*.cc' | xargs clang-format -i";
+}
+
+}  // namespace
