@@ -1,8 +1,10 @@
 // Robot-centric elevation map from LiDAR spins and depth images, and the traversability that follows from it.
 //
-// Frame: map (z up). The window moves with the robot; a cell keeps the lowest and highest supporting surface,
-// their support, and the clearance above it, so that a grating is not read as the floor below and an overhang is
-// not read as ground.
+// Frame: map (z up). The window moves with the robot; a cell keeps up to four layers of returns (mean,
+// lowest, highest, support) and counts the rays that crossed the ground's height without meeting it, so that
+// a grating is not read as the floor below, an overhang is not read as ground, and a hole is known as one.
+//
+// Events are taken from one thread, as is Update(); const queries may then run on any number of threads.
 #pragma once
 
 #include <memory>
@@ -19,14 +21,16 @@ namespace atlas::planner {
 
 struct TerrainParams {
   double cell_m = 0.04;
-  double window_m = 12.0;           ///< side of the square window that planning may use
-  double max_fill_m = 0.30;         ///< holes wider than this stay holes
-  double critical_step_m = 0.12;    ///< higher steps are not traversable
+  double window_m = 12.0;         ///< side of the square window that planning may use
+  double max_fill_m = 0.30;       ///< holes wider than this stay holes
+  double critical_step_m = 0.12;  ///< higher steps are not traversable
   double critical_slope_deg = 22.0;
   double critical_roughness_m = 0.06;
   double negative_obstacle_m = 0.25;  ///< a drop deeper than this is an edge
   double edge_clearance_m = 0.10;     ///< of the footprint's rim from an edge or a hole
   double min_traversability = 0.25;
+  double initial_ground_radius_m =
+      0.9;  ///< assumed solid around the robot at the start, until seen otherwise
   void Visit(core::ParamVisitor& v);
 };
 

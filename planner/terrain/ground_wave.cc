@@ -1,0 +1,154 @@
+#include "planner/terrain/ground_wave.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace atlas::planner::terrain {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr uint16_t kMinSupport = 2;           ///< a single return may be noise ...
+constexpr float kSingleReturnGate_m = 0.06f;  ///< ... unless it lies where ground is expected
+
+bool IsTall(const Layer& layer) {
+  return layer.hi_m - layer.lo_m > kTall_m;
+}
+float SurfaceOf(const Layer& layer) {
+  return IsTall(layer) ? layer.lo_m : layer.mean_m;
+}
+
+struct Reading {
+  CellKind kind = CellKind::kUnseen;
+  float height_m = kNaN;
+  uint16_t support = 0;
+  bool blocked = false;
+};
+
+/// The highest well supported surface up to a step above `reference`; else the nearest within the link.
+const Layer* FindSurface(const WaveParams& params, const LayeredCell& cell, float reference) {
+  uint16_t strongest = 0;
+  for (const Layer& layer : cell.layer) {
+    if (layer.count > 0 && std::abs(SurfaceOf(layer) - reference) <= params.link_m) {
+      strongest = std::max(strongest, layer.count);
+    }
+  }
+  if (strongest == 0) return nullptr;
+  const Layer* highest = nullptr;
+  const Layer* nearest = nullptr;
+  for (const Layer& layer : cell.layer) {
+    const float above = SurfaceOf(layer) - reference;
+    const bool single = layer.count == 1 && std::abs(above) <= kSingleReturnGate_m && strongest == 1;
+    if (layer.count == 0 || std::abs(above) > params.link_m || (layer.count < kMinSupport && !single))
+      continue;
+    if (above <= params.step_m && layer.count * 4 >= strongest &&
+        (highest == nullptr || SurfaceOf(layer) > SurfaceOf(*highest))) {
+      highest = &layer;
+    }
+    if (nearest == nullptr || std::abs(above) < std::abs(SurfaceOf(*nearest) - reference)) nearest = &layer;
+  }
+  return highest != nullptr ? highest : nearest;
+}
+
+Reading ReadGround(const WaveParams& params, const LayeredCell& cell, const Layer& surface) {
+  Reading reading{CellKind::kGround, SurfaceOf(surface), surface.count, false};
+  const float low = reading.height_m + params.step_m, high = reading.height_m + params.headroom_m;
+  for (const Layer& layer : cell.layer) {
+    if (layer.count < kMinSupport || (&layer == &surface && !IsTall(layer))) continue;
+    if (layer.hi_m > low && layer.lo_m < high) reading.blocked = true;
+  }
+  return reading;
+}
+
+Reading ReadCell(const WaveParams& params, const LayeredGrid& grid, size_t slot, float reference) {
+  const LayeredCell& cell = grid.cell(slot);
+  if (const Layer* surface = FindSurface(params, cell, reference)) return ReadGround(params, cell, *surface);
+  Reading reading;
+  for (const Layer& layer : cell.layer) {
+    if (layer.count < kMinSupport) continue;
+    const bool in_the_way =
+        layer.hi_m > reference + params.link_m && layer.lo_m < reference + params.headroom_m;
+    if (in_the_way && (reading.kind != CellKind::kObstacle || layer.hi_m < reading.height_m)) {
+      reading = {CellKind::kObstacle, layer.hi_m, layer.count, true};
+    } else if (reading.kind != CellKind::kObstacle && layer.hi_m < reference - params.link_m &&
+               (reading.kind == CellKind::kUnseen || layer.mean_m > reading.height_m)) {
+      reading = {CellKind::kBelow, layer.mean_m, 0, false};
+    }
+  }
+  const float assumed = grid.assumed_m(slot);
+  if (reading.kind == CellKind::kUnseen && grid.crossings(slot) == 0 &&
+      std::abs(assumed - reference) <= params.link_m) {
+    reading = {CellKind::kGround, assumed, 0, false};
+  }
+  return reading;
+}
+
+class Wave {
+ public:
+  Wave(const WaveParams& params, LayeredGrid* grid, GroundImage* image)
+      : params_(params), grid_(*grid), image_(*image) {}
+
+  void Reach(int row, int col, float reference) {
+    const size_t i = image_.Index(row, col);
+    const bool first = std::isnan(image_.reference_m[i]);
+    if (!first && (image_.kind[i] == CellKind::kGround || !over_ground_)) return;
+    const size_t slot = grid_.Slot(image_.min_x + col, image_.min_y + row);
+    const Reading reading = ReadCell(params_, grid_, slot, reference);
+    if (!first && reading.kind != CellKind::kGround) return;
+    image_.kind[i] = reading.kind;
+    image_.height_m[i] = reading.height_m;
+    image_.support[i] = reading.support;
+    image_.blocked[i] = reading.blocked;
+    image_.crossings[i] = grid_.crossings(slot);
+    image_.reference_m[i] = reading.kind == CellKind::kGround ? reading.height_m : reference;
+    grid_.SetReference(slot, image_.reference_m[i]);
+    (reading.kind == CellKind::kGround ? ground_ : other_).push_back(static_cast<int>(i));
+  }
+
+  /// Linked ground first; then, a cell at a time, across what is not ground.
+  void Spread() {
+    size_t next_ground = 0, next_other = 0;
+    while (next_ground < ground_.size() || next_other < other_.size()) {
+      over_ground_ = next_ground < ground_.size();
+      const int i = over_ground_ ? ground_[next_ground++] : other_[next_other++];
+      const int row = i / image_.side, col = i % image_.side;
+      const float reference = image_.reference_m[static_cast<size_t>(i)];
+      if (!over_ground_ && image_.kind[static_cast<size_t>(i)] == CellKind::kGround) continue;
+      if (col > 0) Reach(row, col - 1, reference);
+      if (col + 1 < image_.side) Reach(row, col + 1, reference);
+      if (row > 0) Reach(row - 1, col, reference);
+      if (row + 1 < image_.side) Reach(row + 1, col, reference);
+    }
+  }
+
+ private:
+  const WaveParams& params_;
+  LayeredGrid& grid_;
+  GroundImage& image_;
+  std::vector<int> ground_, other_;
+  bool over_ground_ = true;
+};
+
+}  // namespace
+
+void FindGround(const WaveParams& params, const core::Vec2& robot, double seed_radius_m, float ground_m,
+                LayeredGrid* grid, GroundImage* image) {
+  const size_t count = static_cast<size_t>(image->side) * static_cast<size_t>(image->side);
+  image->kind.assign(count, CellKind::kUnseen);
+  image->height_m.assign(count, kNaN);
+  image->reference_m.assign(count, kNaN);
+  image->support.assign(count, 0);
+  image->crossings.assign(count, 0);
+  image->blocked.assign(count, 0);
+  Wave wave(params, grid, image);
+  const int reach = std::max(1, static_cast<int>(seed_radius_m / grid->cell_m()));
+  const int row = grid->IndexOf(robot.y()) - image->min_y, col = grid->IndexOf(robot.x()) - image->min_x;
+  for (int r = std::max(0, row - reach); r <= std::min(image->side - 1, row + reach); ++r) {
+    for (int c = std::max(0, col - reach); c <= std::min(image->side - 1, col + reach); ++c) {
+      wave.Reach(r, c, ground_m);
+    }
+  }
+  wave.Spread();
+}
+
+}  // namespace atlas::planner::terrain
