@@ -1,0 +1,156 @@
+// The program as a user meets it: its answers to bad input, and a run that is interrupted.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string text;
+};
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(dir_); }
+  void TearDown() override { fs::remove_all(dir_); }
+
+  Outcome Atlas(const std::string& arguments) {
+    const std::string command =
+        "cd '" + dir_.string() + "' && '" ATLAS_BINARY "' " + arguments + " 2>&1 < /dev/null";
+    FILE* pipe = popen(command.c_str(), "r");
+    Outcome outcome;
+    std::array<char, 4096> buffer;
+    while (const size_t n = fread(buffer.data(), 1, buffer.size(), pipe))
+      outcome.text.append(buffer.data(), n);
+    const int status = pclose(pipe);
+    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return outcome;
+  }
+
+  void Write(const std::string& name, const std::string& text) { std::ofstream(dir_ / name) << text; }
+
+  void ExpectRefusal(const std::string& arguments, const std::vector<std::string>& mentions) {
+    const Outcome outcome = Atlas(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments << "\n" << outcome.text;
+    std::istringstream lines(outcome.text);
+    size_t count = 0;
+    for (std::string line; std::getline(lines, line);)
+      count += line.find_first_not_of(" \r") != std::string::npos;
+    EXPECT_EQ(count, 1u) << arguments << "\n" << outcome.text;
+    for (const std::string& word : mentions) {
+      EXPECT_NE(outcome.text.find(word), std::string::npos) << arguments << "\n"
+                                                            << outcome.text << "\nlacks " << word;
+    }
+  }
+
+  fs::path dir_ = fs::temp_directory_path() / ("atlas_cli_" + std::to_string(::getpid()));
+};
+
+TEST_F(CommandLine, UnknownNamesSuggestTheNearOne) {
+  ExpectRefusal("run helicoptre", {"helicoptre", "did you mean 'helicopter'"});
+  ExpectRefusal("run helicopter --set scene=cat", {"cat", "did you mean 'car'"});
+  ExpectRefusal("run helicopter --set planner.gain=oclusion_aware", {"did you mean 'occlusion_aware'"});
+  ExpectRefusal("run helicopter --set planner=greedi", {"did you mean 'greedy'"});
+  ExpectRefusal("run helicopter --set mapper=octomop", {"did you mean 'octomap'"});
+  ExpectRefusal("run helicopter --set sensors.lidar=vlp61", {"did you mean 'vlp16'"});
+  ExpectRefusal("run helicopter --set robot=quadrupled", {"did you mean 'quadruped'"});
+  ExpectRefusal("list scene", {"did you mean 'scenes'"});
+  ExpectRefusal("runn helicopter", {});
+  ExpectRefusal("run helicopter --sed 1", {"--sed"});
+}
+
+TEST_F(CommandLine, BadValuesNameKeyValueAndLimit) {
+  ExpectRefusal("run helicopter --set planner.nodes=-3", {"planner.nodes", "-3", "must be"});
+  ExpectRefusal("run helicopter --set planner.nodes=many",
+                {"planner.nodes", "expected a whole number", "many"});
+  ExpectRefusal("run helicopter --set mapper.resolution_m=nan", {"mapper.resolution_m", "nan"});
+  ExpectRefusal("run helicopter --set planner.noodles=3", {"noodles", "did you mean 'nodes'"});
+  ExpectRefusal("run helicopter --set nodes", {"expected section.key=value"});
+  ExpectRefusal("run helicopter --seed x", {"--seed"});
+  ExpectRefusal("run helicopter --threads 0", {"--threads"});
+}
+
+TEST_F(CommandLine, BadFilesAreNamed) {
+  Write("torn.yaml", "scene: [car\nplanner");
+  ExpectRefusal("run torn.yaml", {"torn.yaml", "malformed YAML"});
+  Write("typo.yaml", "scene: car\nplaner: greedy\n");
+  ExpectRefusal("run typo.yaml", {"typo.yaml:2", "planer", "did you mean 'planner'"});
+  Write("range.yaml", "extends: car\nlocomotion: {speed_mps: 40}\n");
+  ExpectRefusal("run range.yaml", {"range.yaml:2", "locomotion.speed_mps", "40"});
+  ExpectRefusal("run missing.yaml", {"missing.yaml", "no such file"});
+  ExpectRefusal("run helicopter --set robot=nowhere/robot.xml", {"nowhere/robot.xml"});
+  Write("blocker", "a file where a folder should be");
+  ExpectRefusal("run car --out blocker/run", {"blocker/run"});
+}
+
+TEST_F(CommandLine, BadSceneFilesAreNamed) {
+  const std::string head =
+      "object_box: {min: [-1, -1, 0.05], max: [1, 1, 2]}\nspawn: {x: -4, y: 0, yaw_deg: 0}\nparts:\n";
+  Write("no_mesh.yaml", head + "  - {name: a, mesh: none.obj, label: object, object: true}\n");
+  ExpectRefusal("run helicopter --set scene=no_mesh.yaml", {"none.obj"});
+  Write("empty.obj", "");
+  Write("empty.yaml", head + "  - {name: a, mesh: empty.obj, label: object, object: true}\n");
+  ExpectRefusal("run helicopter --set scene=empty.yaml", {"empty.obj"});
+  Write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+  Write("nan.yaml", head + "  - {name: a, mesh: nan.obj, label: object, object: true}\n");
+  ExpectRefusal("run helicopter --set scene=nan.yaml", {"nan.obj"});
+}
+
+TEST_F(CommandLine, ListsAndExplanationsPrint) {
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"list scenes", "helicopter_grating"},
+      {"list gains", "rear_side_entropy"},
+      {"list mappers", "octomap"},
+      {"list planners", "greedy"},
+      {"list experiments", "facade_grass"},
+      {"list robots", "quadruped"},
+      {"list metrics", "coverage_of_attainable"},
+      {"explain house", "planner.stop_ratio"}};
+  for (const auto& [arguments, word] : expected) {
+    const Outcome outcome = Atlas(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << arguments;
+    EXPECT_NE(outcome.text.find(word), std::string::npos) << arguments << "\n" << outcome.text;
+  }
+}
+
+TEST_F(CommandLine, InterruptLeavesAValidRunFolder) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (freopen("/dev/null", "w", stderr) == nullptr || freopen("/dev/null", "w", stdout) == nullptr)
+      _exit(9);
+    const std::string out = (dir_ / "run").string();
+    execl(ATLAS_BINARY, "atlas", "run", "car", "--out", out.c_str(), "--set", "planner.nodes=20", nullptr);
+    _exit(9);
+  }
+  const fs::path steps = dir_ / "run" / "steps.csv";
+  for (int i = 0; i < 3000 && !fs::exists(steps); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  std::ifstream in(dir_ / "run" / "summary.json");
+  std::stringstream text;
+  text << in.rdbuf();
+  EXPECT_NE(text.str().find("\"status\": \"interrupted\""), std::string::npos) << text.str();
+  for (const char* file :
+       {"config.yaml", "steps.csv", "timings.csv", "candidates.csv", "coverage.svg", "cloud.ply"}) {
+    EXPECT_TRUE(fs::exists(dir_ / "run" / file)) << file;
+  }
+}
+
+}  // namespace
