@@ -32,7 +32,7 @@ double BayMiddle(int bay) {
 
 void AddWindow(SceneBuilder& scene, double x) {
   const double half = 0.5 * kWindowWidth_m, y_bar = kRecess_m - 0.03;
-  const Paint glass = Object("windows", Label::kWindow), frame = Object("frames", Label::kWindow);
+  const Paint glass = Object("windows", Label::kWindow), frame = Object("frames", Label::kLedge);
   scene.Box(glass, Vec3(x - half, kRecess_m, kSill_m), Vec3(x + half, kWallDepth_m, kWindowTop_m));
   const auto bar = [&](double x0, double z0, double x1, double z1) {
     scene.Box(frame, Vec3(x0, y_bar, z0), Vec3(x1, kRecess_m, z1), Physics::kNone);

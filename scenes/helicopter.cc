@@ -2,6 +2,7 @@
 //
 // Nose along +x, skids on the deck at z = 0. The deck's edges, its stairwells and the skirt under the belly
 // are the mobility hazards of the thesis's site.
+#include "scenes/build/convex_hull.h"
 #include "scenes/build/scene_builder.h"
 #include "scenes/deck.h"
 #include "scenes/scenes.h"
@@ -73,10 +74,12 @@ void AddCabin(SceneBuilder& scene) {
   scene.Visual(Object("cabin", Label::kHelicopter), MakeLoft(rings));
   // Four convex stretches are what the robot can bump into.
   for (const auto& [from, to] : {std::pair{-0.5, 0.3}, {0.3, 1.6}, {1.6, 2.9}, {2.9, 4.0}}) {
+    std::vector<core::Vec3f> points;
+    for (double x : {from, 0.5 * (from + to), to}) {
+      for (const Vec3& p : FuselageRing(x, 16)) points.push_back(p.cast<float>());
+    }
     scene.Collide(Object("cabin", Label::kHelicopter),
-                  {HullShape{MakeLoft(
-                       {FuselageRing(from, 16), FuselageRing(0.5 * (from + to), 16), FuselageRing(to, 16)})},
-                   core::Pose::Identity()});
+                  {HullShape{ConvexHull(points)}, core::Pose::Identity()});
   }
 
   // A plate over x in [x0, x1] and corners [j0, j1]; the other side is its mirror image.

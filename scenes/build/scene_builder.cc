@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "scenes/build/convex_hull.h"
+
 namespace atlas::scenes {
 
 using core::Pose;
@@ -60,7 +62,8 @@ void SceneBuilder::Tube(const Paint& paint, const std::vector<Vec3>& path, doubl
 
 void SceneBuilder::Convex(const Paint& paint, const core::TriMesh& mesh) {
   Visual(paint, mesh);
-  if (mesh.Bounds().min.z() < kReachHeight_m) Collide(paint, {HullShape{mesh}, Pose::Identity()});
+  if (mesh.Bounds().min.z() < kReachHeight_m)
+    Collide(paint, {HullShape{ConvexHull(mesh.vertices)}, Pose::Identity()});
 }
 
 void SceneBuilder::Visual(const Paint& paint, const core::TriMesh& mesh) {
