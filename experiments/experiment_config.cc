@@ -79,6 +79,8 @@ ExperimentConfig LoadExperiment(const std::string& name_or_path,
   for (const std::string& assignment : assignments) source.MergeAssignment(assignment);
   ExperimentConfig config;
   config.experiment = path.stem().string();
+  source.Load(&config);
+  config.planner = planner::DefaultParams(config.planner.name);  // each planner brings its own defaults
   config.rows = source.Load(&config);
   return config;
 }
