@@ -47,6 +47,17 @@ void AddExplain(CLI::App* app, RunArguments* arguments, Action* action) {
       [=] { *action = [=] { return ExplainCommand(arguments->experiment, arguments->assignments); }; });
 }
 
+struct BenchArguments {
+  std::string what, scene;
+};
+
+void AddBench(CLI::App* app, BenchArguments* arguments, Action* action) {
+  CLI::App* bench = app->add_subcommand("bench", "Measure a part: lidar (rays a second beside bare Embree)");
+  bench->add_option("what", arguments->what, "lidar")->required();
+  bench->add_option("--scene", arguments->scene, "only this scene");
+  bench->callback([=] { *action = [=] { return BenchCommand(arguments->what, arguments->scene); }; });
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("SE-Atlas testbed: active mapping with a walking robot in simulation", "atlas");
   app.require_subcommand(1);
@@ -57,6 +68,8 @@ int Main(int argc, char** argv) {
   AddRun(&app, &run, &action);
   AddList(&app, &list, &action);
   AddExplain(&app, &run, &action);
+  BenchArguments bench;
+  AddBench(&app, &bench, &action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
