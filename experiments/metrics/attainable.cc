@@ -1,0 +1,295 @@
+#include "experiments/metrics/attainable.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "core/errors.h"
+#include "core/parallel_for.h"
+#include "core/rng.h"
+#include "experiments/metrics/attainable_cache.h"
+#include "experiments/metrics/scene_surface.h"
+#include "experiments/metrics/sweep_aim.h"
+#include "sim/sensors/raycaster.h"
+
+namespace atlas::experiments {
+namespace {
+
+using core::Vec3;
+using core::Vec3f;
+
+// A ray that ends this close to the sample it was aimed at has met it.
+constexpr float kMetWithinM = 0.01f;
+// Samples share a bucket of this size; late positions aim at one of each bucket in turn.
+constexpr double kBucketM = 0.06;
+constexpr int kCoarsestStride = 16;
+
+/// Surface samples that rays are aimed at: thinned truth, and what else lies within the scoring radius of
+/// truth (ground at its foot), whose hits count too.
+struct Targets {
+  std::vector<Vec3f> p;
+  std::vector<Vec3f> normal;           ///< zero: seen from either side
+  std::vector<uint32_t> bucket_begin;  ///< targets of one bucket are consecutive; one more at the end
+};
+
+Targets ChooseTargets(const scenes::SceneSpec& scene, const scenes::GroundTruth& truth, const PointGrid& grid,
+                      const AttainableOptions& options) {
+  Targets chosen;
+  for (const uint32_t i : ThinIndices(truth.points, options.target_spacing_m)) {
+    chosen.p.push_back(truth.points[i]);
+    chosen.normal.push_back(truth.normals[i]);
+  }
+  core::Box3 box;
+  for (const Vec3f& p : truth.points) box.Extend(p.cast<double>());
+  const std::vector<Vec3f> others =
+      SampleBackground(scene, box.Inflated(options.radius_m), options.target_spacing_m);
+  for (const uint32_t i : ThinIndices(others, options.target_spacing_m)) {
+    float distance;
+    if (grid.Nearest(others[i], static_cast<float>(options.radius_m), &distance) < 0) continue;
+    chosen.p.push_back(others[i]);
+    chosen.normal.push_back(Vec3f::Zero());
+  }
+  // Bring the targets of one bucket together.
+  const PointGrid buckets(chosen.p, kBucketM);
+  Targets sorted;
+  for (size_t cell = 0; cell < buckets.cell_count(); ++cell) {
+    const uint32_t begin = buckets.CellBegin(static_cast<int32_t>(cell)),
+                   end = buckets.CellEnd(static_cast<int32_t>(cell));
+    if (begin == end) continue;
+    sorted.bucket_begin.push_back(begin);
+    for (uint32_t k = begin; k < end; ++k) {
+      sorted.p.push_back(buckets.entries()[k].p);
+      sorted.normal.push_back(chosen.normal[buckets.entries()[k].index]);
+    }
+  }
+  sorted.bucket_begin.push_back(static_cast<uint32_t>(sorted.p.size()));
+  return sorted;
+}
+
+/// A lattice position and how coarse a sub-lattice it belongs to.
+struct Position {
+  Vec3 ground;
+  int stride;
+};
+
+/// Coarse sub-lattices first, so that most samples are met early and later positions have little left to do.
+std::vector<Position> OrderedPositions(const ReachableSet& set, const Vec3& spawn, double spacing_m) {
+  std::vector<Position> positions;
+  for (const Vec3& ground : LatticePositions(set, spawn, spacing_m)) {
+    const int i = static_cast<int>(std::lround((ground.x() - spawn.x()) / spacing_m)),
+              j = static_cast<int>(std::lround((ground.y() - spawn.y()) / spacing_m));
+    int stride = kCoarsestStride;
+    while (i % stride != 0 || j % stride != 0) stride /= 2;
+    positions.push_back({ground, stride});
+  }
+  std::stable_sort(positions.begin(), positions.end(),
+                   [](const Position& a, const Position& b) { return a.stride > b.stride; });
+  return positions;
+}
+
+class Search {
+ public:
+  Search(const Targets& targets, const SweepAim& aim, double rays_per_steradian, double max_range_m,
+         double min_range_m, const AttainableOptions& options, const CastRays& cast)
+      : targets_(targets),
+        aim_(aim),
+        min_range_m_(static_cast<float>(min_range_m)),
+        max_range_m_(static_cast<float>(max_range_m)),
+        threads_(options.threads),
+        cast_(cast),
+        met_(targets.p.size(), 0) {
+    // Expected rays within the radius of a sample seen at incidence i from d: density * pi r^2 cos(i) / d^2.
+    const double disc = core::kPi * options.radius_m * options.radius_m;
+    min_cos_over_sq_ = static_cast<float>(options.min_rays / (rays_per_steradian * disc));
+    for (uint32_t b = 0; b + 1 < targets.bucket_begin.size(); ++b) open_.push_back(b);
+  }
+
+  /// Aims at open samples from one position; the hits go to `scorer`.
+  void From(const Position& position, size_t number, CoverageScorer* scorer) {
+    GatherAims(position, number);
+    CastAims(number);
+    if (whole_buckets_.empty()) return Score(scorer);
+    Score(scorer);
+    // A bucket that yields is worth a full look from here.
+    aims_.clear();
+    for (const uint32_t b : whole_buckets_) {
+      for (uint32_t k = targets_.bucket_begin[b]; k < targets_.bucket_begin[b + 1]; ++k)
+        TryAim(position, k, 0, b, &aims_);
+    }
+    whole_buckets_.clear();
+    CastAims(number);
+    Score(scorer);
+    whole_buckets_.clear();
+  }
+
+  size_t rays() const { return rays_; }
+
+ private:
+  struct Aim {
+    SweepAim::Shot shot;
+    uint32_t target, bucket;
+  };
+
+  /// Queues a ray at target `k` unless it was met, turns its back, or lies too far or too aslant.
+  void TryAim(const Position& position, uint32_t k, int variant, uint32_t bucket,
+              std::vector<Aim>* aims) const {
+    if (met_[k] != 0) return;
+    const Vec3f sensor = (position.ground + Vec3(0.0, 0.0, aim_.sensor_height_m())).cast<float>();
+    const Vec3f back = sensor - targets_.p[k];
+    const float distance_sq = back.squaredNorm();
+    const float reach = max_range_m_ + static_cast<float>(aim_.sensor_reach_m());
+    if (distance_sq > reach * reach) return;
+    // Cheap first look from the level sensor, widened by how far a roll may carry it.
+    const Vec3f& n = targets_.normal[k];
+    const bool faces = !n.isZero();
+    if (faces && n.dot(back) < -static_cast<float>(aim_.sensor_reach_m())) return;
+    Aim aim{.shot = {}, .target = k, .bucket = bucket};
+    if (!aim_.At(position.ground, targets_.p[k], variant, &aim.shot)) return;
+    const float d = aim.shot.distance_m;
+    if (d < min_range_m_ || d > max_range_m_) return;
+    const float cosine = faces ? -n.dot(aim.shot.direction) : 1.0f;
+    if (cosine < min_cos_over_sq_ * d * d) return;
+    aims->push_back(aim);
+  }
+
+  void GatherAims(const Position& position, size_t number) {
+    // Buckets whose samples were all met leave the list.
+    std::erase_if(open_, [&](uint32_t b) {
+      for (uint32_t k = targets_.bucket_begin[b]; k < targets_.bucket_begin[b + 1]; ++k) {
+        if (met_[k] == 0) return false;
+      }
+      return true;
+    });
+    sampled_ = position.stride < 4;
+    const int variant = sampled_ ? static_cast<int>(core::HashCounter(17, number) % 3) : 0;
+    std::vector<std::vector<Aim>> found(static_cast<size_t>(std::max(threads_, 1)));
+    core::ParallelFor(threads_, open_.size(), [&](size_t begin, size_t end, size_t worker) {
+      for (size_t i = begin; i < end; ++i) {
+        const uint32_t b = open_[i], first = targets_.bucket_begin[b], last = targets_.bucket_begin[b + 1];
+        if (!sampled_) {
+          for (uint32_t k = first; k < last; ++k) TryAim(position, k, variant, b, &found[worker]);
+          continue;
+        }
+        // One unmet sample of the bucket, another one each time.
+        const uint32_t count = last - first,
+                       start = static_cast<uint32_t>(core::HashCounter(b, number) % count);
+        for (uint32_t step = 0; step < count; ++step) {
+          const uint32_t k = first + (start + step) % count;
+          if (met_[k] != 0) continue;
+          TryAim(position, k, variant, b, &found[worker]);
+          break;
+        }
+      }
+    });
+    aims_.clear();
+    for (const std::vector<Aim>& part : found) aims_.insert(aims_.end(), part.begin(), part.end());
+  }
+
+  void CastAims(size_t number) {
+    std::vector<core::Ray> rays(aims_.size());
+    for (size_t i = 0; i < aims_.size(); ++i) rays[i] = {aims_[i].shot.origin, aims_[i].shot.direction};
+    range_.resize(rays.size());
+    cast_(rays, max_range_m_, core::HashCounter(29, number), range_);
+    rays_ += rays.size();
+  }
+
+  void Score(CoverageScorer* scorer) {
+    std::vector<Vec3f> hits;
+    for (size_t i = 0; i < aims_.size(); ++i) {
+      if (range_[i] < min_range_m_) continue;
+      const SweepAim::Shot& shot = aims_[i].shot;
+      hits.push_back(shot.origin + range_[i] * shot.direction);
+      if (std::abs(range_[i] - shot.distance_m) > kMetWithinM) continue;
+      met_[aims_[i].target] = 1;
+      if (sampled_ && (whole_buckets_.empty() || whole_buckets_.back() != aims_[i].bucket)) {
+        whole_buckets_.push_back(aims_[i].bucket);
+      }
+    }
+    scorer->AddPoints(hits, core::Pose::Identity());
+  }
+
+  const Targets& targets_;
+  const SweepAim& aim_;
+  float min_range_m_, max_range_m_, min_cos_over_sq_;
+  int threads_;
+  const CastRays& cast_;
+  std::vector<uint8_t> met_;
+  std::vector<uint32_t> open_;  // buckets with unmet samples
+  std::vector<Aim> aims_;
+  std::vector<float> range_;
+  std::vector<uint32_t> whole_buckets_;
+  bool sampled_ = false;
+  size_t rays_ = 0;
+};
+
+}  // namespace
+
+ReachableSet ReachableForScanning(const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
+                                  const core::LidarModel& lidar, const AttainableOptions& options) {
+  const double range = std::min(options.max_range_m, lidar.max_range_m);
+  core::Box3 region = scene.object_box.Inflated(range);
+  region.Extend(scene.T_map_spawn.translation() -
+                Vec3::Ones());  // the flood starts there, wherever the object is
+  region.Extend(scene.T_map_spawn.translation() + Vec3::Ones());
+  region.min = region.min.cwiseMax(scene.bounds.min);
+  region.max = region.max.cwiseMin(scene.bounds.max);
+  region.min.z() = scene.bounds.min.z() - 0.01;
+  region.max.z() = scene.bounds.max.z() + 0.01;
+  return FindReachable(scene, robot, region, options.reach);
+}
+
+Attainable ComputeAttainable(const scenes::SceneSpec& scene, const scenes::GroundTruth& truth,
+                             const robots::RobotSpec& robot, const core::LidarModel& lidar,
+                             const AttainableOptions& options, const CastRays& cast,
+                             const AttainableProgress& progress) {
+  const ReachableSet reachable = ReachableForScanning(scene, robot, lidar, options);
+  const std::vector<Position> positions =
+      OrderedPositions(reachable, scene.T_map_spawn.translation(), options.lattice_m);
+
+  const auto grid = std::make_shared<const PointGrid>(truth.points, 2.0 * options.radius_m);
+  const Targets targets = ChooseTargets(scene, truth, *grid, options);
+  const SweepAim aim(robot, lidar, options.headings, core::Radians(options.sweep_roll_deg));
+  CoverageScorer scorer(grid, options.radius_m);
+  Search search(targets, aim, aim.RaysPerSteradian(lidar, options.headings, options.sweep_period_s),
+                std::min(options.max_range_m, lidar.max_range_m), lidar.min_range_m, options, cast);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    search.From(positions[i], i, &scorer);
+    if (progress && i % 50 == 0) progress(static_cast<double>(i) / static_cast<double>(positions.size()));
+  }
+  return {.attainable = scorer.covered(),
+          .coverage = scorer.coverage_raw(),
+          .positions = positions.size(),
+          .reachable_area_m2 = reachable.AreaM2(),
+          .rays = search.rays()};
+}
+
+Attainable LoadOrComputeAttainable(const scenes::SceneSpec& scene, const scenes::GroundTruth& truth,
+                                   const robots::RobotSpec& robot, const core::LidarModel& lidar,
+                                   const AttainableOptions& options,
+                                   const std::filesystem::path& cache_folder,
+                                   const AttainableProgress& progress) {
+  const uint64_t key = AttainableKey(scene, truth, robot, lidar, options);
+  const std::filesystem::path path = cache_folder / fmt::format("attainable_{:016x}.bits", key);
+  if (std::optional<Attainable> kept = ReadAttainable(path, key, truth.points.size()))
+    return std::move(*kept);
+
+  sim::Raycaster raycaster(scene);
+  raycaster.CommitPoses();
+  std::vector<sim::RayHit> hits;
+  const CastRays cast = [&](std::span<const core::Ray> rays, float max_range_m, uint64_t seed,
+                            std::span<float> range_m) {
+    hits.resize(rays.size());
+    raycaster.Cast(rays, max_range_m, seed, options.threads, hits);
+    for (size_t i = 0; i < rays.size(); ++i) range_m[i] = hits[i].range_m;
+  };
+  Attainable set = ComputeAttainable(scene, truth, robot, lidar, options, cast, progress);
+  try {
+    WriteAttainable(path, key, set);
+  } catch (const core::InputError&) {
+    // A cache is a convenience: a read-only installation computes each time.
+  }
+  return set;
+}
+
+}  // namespace atlas::experiments
