@@ -20,7 +20,7 @@ struct RobotSpec {
   double footprint_radius_m = 0.55;  ///< circle about the base that holds the body and legs while turning
   double half_length_m = 0.55;
   double half_width_m = 0.33;
-  double body_top_m = 0.35;      ///< highest point above the base origin (LiDAR included): overhang clearance
+  double body_top_m = 0.35;  ///< highest point above the base origin (LiDAR included): overhang clearance
   double max_speed_mps = 1.0;
   double max_step_m = 0.15;
   double max_slope_rad = 0.35;

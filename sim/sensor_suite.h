@@ -1,0 +1,58 @@
+// Runs the robot's sensors on its motion and hands their events on in time order.
+#pragma once
+
+#include <vector>
+
+#include "sim/locomotion/locomotion.h"
+#include "sim/odometry.h"
+#include "sim/sensors/lidar.h"
+
+namespace atlas::sim {
+
+enum class Activity { kStanding, kWalking, kSweeping };
+
+class SensorSuite {
+ public:
+  SensorSuite(const scenes::SceneSpec& scene, const robots::RobotSpec& robot, const SensorParams& params,
+              const World& world, const core::Rng& rng);
+
+  /// Decides which revolutions are cast from their start on, and whether the depth camera runs.
+  void SetActivity(Activity activity) { activity_ = activity; }
+  /// Call at every step between BeginStep and FinishStep. Events go to `sink` and spins to `sweep`, either of
+  /// which may be null.
+  void Observe(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink, core::Sweep* sweep);
+
+  std::string render_backend() const { return "none"; }
+
+  /// Whether a revolution starts at the next observation.
+  bool AtSpinStart(double time_s) const;
+
+ private:
+  struct BodyPoses {
+    double time_s;
+    std::vector<core::Pose> T_map_body;
+  };
+
+  void StartSpin(double time_s);
+  void RecordSpin(const Locomotion& robot, const Odometry& odometry);
+  void FinishSpin(core::SensorSink* sink, core::Sweep* sweep);
+  void PoseBodies(double time_s);
+  void EmitState(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink);
+
+  SensorParams params_;
+  core::Pose T_base_lidar_;
+  Raycaster raycaster_;
+  Lidar lidar_;
+  Activity activity_ = Activity::kStanding;
+
+  int64_t spin_ = -1;  ///< revolutions since the start
+  int64_t idle_spins_ = 0;
+  bool casting_ = false;
+  Activity spin_activity_ = Activity::kStanding;  ///< when this revolution started
+  double spin_start_s_ = 0.0;
+  core::PoseTrajectory T_map_lidar_, T_odom_lidar_;
+  std::vector<BodyPoses> bodies_;
+  int64_t states_ = 0;
+};
+
+}  // namespace atlas::sim

@@ -1,0 +1,206 @@
+#include "sim/simulator.h"
+
+#include "sim/locomotion/locomotion.h"
+#include "sim/locomotion/path_tracker.h"
+#include "sim/locomotion/roll_profile.h"
+#include "sim/odometry.h"
+#include "sim/sensor_suite.h"
+
+namespace atlas::sim {
+namespace {
+
+constexpr double kControlPeriodS = 0.02;
+constexpr double kStandTimeoutS = 4.0;
+constexpr double kRollReturnRate = 0.8;  ///< rad/s, after a sweep that was stopped
+constexpr double kDistanceSpacingM = 0.02;
+constexpr double kTimeEps = 1e-6;
+
+class WalkingSimulator : public Simulator {
+ public:
+  WalkingSimulator(const scenes::SceneSpec& scene, const robots::RobotSpec& robot, const SimParams& params,
+                   const core::Rng& rng)
+      : params_(params),
+        locomotion_(MakeLocomotion(scene, robot, params, rng.Split("locomotion"))),
+        odometry_(params.odometry, scene.T_map_spawn, locomotion_->T_map_base(), rng.Split("odometry")),
+        sensors_(scene, robot, params.sensors, locomotion_->world(), rng.Split("sensors")) {}
+
+  void SetSink(core::SensorSink* sink) override { sink_ = sink; }
+  void SetStop(std::function<bool()> should_stop) override { should_stop_ = std::move(should_stop); }
+
+  MotionStatus Stand(double duration_s) override;
+  WalkResult Walk(const WalkPath& path, const core::TerrainView* terrain) override;
+  MotionStatus RollSweep(core::Sweep* sweep) override;
+
+  double time_s() const override { return locomotion_->time_s(); }
+  core::Pose T_odom_base() const override { return odometry_.T_odom_base(); }
+  core::Pose T_map_odom() const override { return odometry_.T_map_odom(); }
+  const SafetyCounts& safety() const override { return locomotion_->safety(); }
+  std::string render_backend() const override { return sensors_.render_backend(); }
+  core::Pose TrueBasePose() const override { return locomotion_->T_map_base(); }
+  Snapshot TrueState() const override { return {time_s(), locomotion_->world().qpos()}; }
+  void SetStateObserver(std::function<void(const Snapshot&)> observer, double rate_hz) override {
+    observer_ = std::move(observer);
+    observer_period_s_ = 1.0 / rate_hz;
+    next_observation_s_ = time_s();
+  }
+
+ private:
+  /// What a motion says at each control tick: nothing to go on, or how it ended.
+  using Tick = std::function<std::optional<MotionStatus>(double now_s)>;
+
+  MotionStatus Run(const Tick& tick);
+  MotionStatus ComeToStand();
+  void Step();
+  void Measure(double now_s);
+  void ReturnRoll();
+
+  SimParams params_;
+  std::unique_ptr<Locomotion> locomotion_;
+  Odometry odometry_;
+  SensorSuite sensors_;
+  core::SensorSink* sink_ = nullptr;
+  core::Sweep* sweep_ = nullptr;
+  std::function<bool()> should_stop_;
+  std::function<void(const Snapshot&)> observer_;
+  double observer_period_s_ = 0.1, next_observation_s_ = 0.0;
+
+  BodyRoll roll_;
+  std::optional<RollProfile> profile_;  ///< while sweeping
+  double sweep_start_s_ = 0.0;
+  double distance_m_ = 0.0;
+  core::Vec2 p_last_ = core::Vec2::Zero();
+};
+
+void WalkingSimulator::ReturnRoll() {
+  const double limit = kRollReturnRate * locomotion_->step_s();
+  const double before = roll_.roll_rad;
+  roll_.roll_rad -= std::clamp(before, -limit, limit);
+  roll_.rate_radps = (roll_.roll_rad - before) / locomotion_->step_s();
+  roll_.level -= std::min(roll_.level, locomotion_->step_s());
+}
+
+void WalkingSimulator::Measure(double now_s) {
+  const core::Pose T_map_base = locomotion_->T_map_base();
+  odometry_.Update(now_s, T_map_base);
+  sensors_.Observe(*locomotion_, odometry_, sink_, sweep_);
+  const core::Vec2 p = T_map_base.translation().head<2>();
+  if ((p - p_last_).norm() >= kDistanceSpacingM) {
+    distance_m_ += (p - p_last_).norm();
+    p_last_ = p;
+  }
+  if (observer_ && now_s >= next_observation_s_ - kTimeEps) {
+    next_observation_s_ += observer_period_s_;
+    observer_(TrueState());
+  }
+}
+
+void WalkingSimulator::Step() {
+  locomotion_->BeginStep();
+  const double now = time_s();
+  Measure(now);
+  if (profile_) {
+    roll_ = profile_->At(now - sweep_start_s_);
+  } else {
+    ReturnRoll();
+  }
+  locomotion_->SetRoll(roll_);
+  locomotion_->FinishStep();
+}
+
+MotionStatus WalkingSimulator::Run(const Tick& tick) {
+  double next_tick_s = time_s();
+  while (true) {
+    if (time_s() >= next_tick_s - kTimeEps) {
+      next_tick_s += kControlPeriodS;
+      if (locomotion_->fallen()) return MotionStatus::kFell;
+      if (should_stop_ && should_stop_()) return MotionStatus::kStopped;
+      locomotion_->SetBelief(odometry_.T_map_odom() * odometry_.T_odom_base());
+      if (const std::optional<MotionStatus> end = tick(time_s())) return *end;
+    }
+    Step();
+  }
+}
+
+MotionStatus WalkingSimulator::ComeToStand() {
+  locomotion_->SetCommand({});
+  const double start = time_s();
+  return Run([&](double now) -> std::optional<MotionStatus> {
+    if (locomotion_->standing() || now - start > kStandTimeoutS) return MotionStatus::kReached;
+    return std::nullopt;
+  });
+}
+
+MotionStatus WalkingSimulator::Stand(double duration_s) {
+  sensors_.SetActivity(Activity::kStanding);
+  locomotion_->SetCommand({});
+  const double end = time_s() + duration_s;
+  return Run([&](double now) -> std::optional<MotionStatus> {
+    if (now >= end - kTimeEps) return MotionStatus::kReached;
+    return std::nullopt;
+  });
+}
+
+WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView* terrain) {
+  const bool truth = terrain == nullptr || params_.locomotion.terrain == "truth";
+  locomotion_->SetTerrain(truth ? GroundSource::kTruth : GroundSource::kPerceived, terrain);
+  sensors_.SetActivity(Activity::kWalking);
+  const double start = time_s();
+  distance_m_ = 0.0;
+  p_last_ = locomotion_->T_map_base().translation().head<2>();
+
+  PathTracker tracker(path.waypoints_map, path.final_yaw_rad, params_.locomotion.speed_mps);
+  WalkResult result;
+  result.status = Run([&](double now) -> std::optional<MotionStatus> {
+    const core::Pose T_map_base = odometry_.T_map_odom() * odometry_.T_odom_base();
+    const PathTracker::Output out =
+        tracker.Update(now, T_map_base.translation().head<2>(), core::YawOf(T_map_base.linear()));
+    locomotion_->SetCommand(out.command);
+    if (out.status == PathTracker::Status::kArrived) return MotionStatus::kReached;
+    if (out.status == PathTracker::Status::kStuck) return MotionStatus::kStuck;
+    return std::nullopt;
+  });
+  locomotion_->SetCommand({});
+  if (result.status == MotionStatus::kReached || result.status == MotionStatus::kStuck) {
+    const MotionStatus stand = ComeToStand();
+    if (stand != MotionStatus::kReached) result.status = stand;
+  }
+  locomotion_->SetTerrain(GroundSource::kPlane, nullptr);  // `terrain` may not outlive this call
+  sensors_.SetActivity(Activity::kStanding);
+  result.distance_m = distance_m_;
+  result.duration_s = time_s() - start;
+  return result;
+}
+
+MotionStatus WalkingSimulator::RollSweep(core::Sweep* sweep) {
+  sensors_.SetActivity(Activity::kStanding);
+  if (const MotionStatus stand = ComeToStand(); stand != MotionStatus::kReached) return stand;
+  sensors_.SetActivity(Activity::kSweeping);  // from the next revolution on
+  while (!sensors_.AtSpinStart(time_s())) Step();
+
+  sweep_ = sweep;
+  sweep_start_s_ = time_s();
+  profile_.emplace(core::Radians(params_.locomotion.sweep_roll_deg), params_.locomotion.sweep_period_s);
+  const MotionStatus status = Run([&](double now) -> std::optional<MotionStatus> {
+    if (now - sweep_start_s_ >= profile_->period_s() - kTimeEps) return MotionStatus::kReached;
+    return std::nullopt;
+  });
+  if (status == MotionStatus::kReached) {
+    while (!sensors_.AtSpinStart(time_s())) Step();
+    sensors_.SetActivity(Activity::kStanding);
+    Step();  // the observation that ends the last revolution
+  }
+  profile_.reset();
+  sweep_ = nullptr;
+  sensors_.SetActivity(Activity::kStanding);
+  if (sweep != nullptr) sweep->T_map_odom = odometry_.T_map_odom();
+  return status;
+}
+
+}  // namespace
+
+std::unique_ptr<Simulator> MakeSimulator(const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
+                                         const SimParams& params, const core::Rng& rng) {
+  return std::make_unique<WalkingSimulator>(scene, robot, params, rng);
+}
+
+}  // namespace atlas::sim
