@@ -76,6 +76,13 @@ TriMesh ModelMesh(const mjModel& m, int mesh_id) {
   return mesh;
 }
 
+bool IsLidarHousing(const mjModel& m, int g) {
+  const char* name = mj_id2name(&m, mjOBJ_GEOM, g);
+  return name != nullptr && std::strncmp(name, "lidar", 5) == 0;
+}
+
+}  // namespace
+
 TriMesh GeomMesh(const mjModel& m, int g) {
   const mjtNum* size = m.geom_size + 3 * g;
   TriMesh mesh;
@@ -107,13 +114,6 @@ TriMesh GeomMesh(const mjModel& m, int g) {
                                 Eigen::Map<const core::Vec3>(m.geom_pos + 3 * g)));
   return mesh;
 }
-
-bool IsLidarHousing(const mjModel& m, int g) {
-  const char* name = mj_id2name(&m, mjOBJ_GEOM, g);
-  return name != nullptr && std::strncmp(name, "lidar", 5) == 0;
-}
-
-}  // namespace
 
 TriMesh BodyMesh(const mjModel& model, int body) {
   for (const int group : {kVisibleGroup, kCollisionGroup}) {

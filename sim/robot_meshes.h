@@ -13,4 +13,7 @@ namespace atlas::sim {
 /// Geoms named lidar* are the sensor's own housing and stay out: rays start within them.
 core::TriMesh BodyMesh(const mjModel_& model, int body);
 
+/// One geom in its body's frame; empty for kinds without a surface of their own (planes, height fields).
+core::TriMesh GeomMesh(const mjModel_& model, int geom);
+
 }  // namespace atlas::sim
