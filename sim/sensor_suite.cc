@@ -18,9 +18,20 @@ SensorSuite::SensorSuite(const scenes::SceneSpec& scene, const robots::RobotSpec
                          const SensorParams& params, const World& world, const core::Rng& rng)
     : params_(params),
       T_base_lidar_(robot.T_base_lidar),
+      T_base_camera_(robot.T_base_depth),
       raycaster_(scene),
       lidar_(ModelFor(params, robot), rng.Split("lidar")) {
-  for (const core::TriMesh& mesh : world.body_meshes()) raycaster_.AddBody(mesh);
+  if (params.depth_camera) {
+    DepthCameraModel model;
+    model.width = params.depth_width;
+    model.height = params.depth_height;
+    model.max_depth_m = params.depth_max_m;
+    camera_.emplace(scene, model, rng.Split("depth"));
+  }
+  for (const core::TriMesh& mesh : world.body_meshes()) {
+    raycaster_.AddBody(mesh);
+    if (camera_) camera_->AddBody(mesh);
+  }
 }
 
 bool SensorSuite::AtSpinStart(double time_s) const {
@@ -35,6 +46,8 @@ void SensorSuite::Observe(const Locomotion& robot, const Odometry& odometry, cor
     ++states_;
     if (sink != nullptr) EmitState(robot, odometry, sink);
   }
+  const bool depth_due = activity_ == Activity::kWalking && now >= next_depth_s_ - kTimeEps;
+  if (depth_due && camera_ && camera_->available() && sink != nullptr) TakeDepth(robot, odometry, sink);
   const bool turn_over = AtSpinStart(now);
   if (casting_) {
     RecordSpin(robot, odometry);
@@ -58,6 +71,17 @@ void SensorSuite::EmitState(const Locomotion& robot, const Odometry& odometry, c
     event.foot_in_contact[i] = foot.in_contact;
   }
   sink->OnState(event);
+}
+
+void SensorSuite::TakeDepth(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink) {
+  next_depth_s_ = robot.time_s() + 1.0 / params_.depth_rate_hz;
+  robot.world().BodyPoses(&T_map_body_);
+  for (size_t i = 0; i < T_map_body_.size(); ++i) camera_->SetBodyPose(static_cast<int>(i), T_map_body_[i]);
+  core::DepthEvent event;
+  event.time_s = robot.time_s();
+  event.image = camera_->Capture(robot.T_map_base() * T_base_camera_);
+  event.T_odom_camera = odometry.T_odom_base() * T_base_camera_;
+  sink->OnDepth(event);
 }
 
 void SensorSuite::StartSpin(double time_s) {

@@ -1,10 +1,12 @@
 // Runs the robot's sensors on its motion and hands their events on in time order.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sim/locomotion/locomotion.h"
 #include "sim/odometry.h"
+#include "sim/sensors/depth_camera.h"
 #include "sim/sensors/lidar.h"
 
 namespace atlas::sim {
@@ -22,7 +24,7 @@ class SensorSuite {
   /// which may be null.
   void Observe(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink, core::Sweep* sweep);
 
-  std::string render_backend() const { return "none"; }
+  std::string render_backend() const { return camera_ ? camera_->backend() : "none"; }
 
   /// Whether a revolution starts at the next observation.
   bool AtSpinStart(double time_s) const;
@@ -37,12 +39,14 @@ class SensorSuite {
   void RecordSpin(const Locomotion& robot, const Odometry& odometry);
   void FinishSpin(core::SensorSink* sink, core::Sweep* sweep);
   void PoseBodies(double time_s);
+  void TakeDepth(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink);
   void EmitState(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink);
 
   SensorParams params_;
-  core::Pose T_base_lidar_;
+  core::Pose T_base_lidar_, T_base_camera_;
   Raycaster raycaster_;
   Lidar lidar_;
+  std::optional<DepthCamera> camera_;
   Activity activity_ = Activity::kStanding;
 
   int64_t spin_ = -1;  ///< revolutions since the start
@@ -53,6 +57,8 @@ class SensorSuite {
   core::PoseTrajectory T_map_lidar_, T_odom_lidar_;
   std::vector<BodyPoses> bodies_;
   int64_t states_ = 0;
+  double next_depth_s_ = 0.0;
+  std::vector<core::Pose> T_map_body_;  ///< scratch
 };
 
 }  // namespace atlas::sim
