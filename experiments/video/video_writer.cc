@@ -50,22 +50,23 @@ VideoWriter::VideoWriter(const fs::path& path, int width, int height, double fra
       beside_(Beside(path)),
       width_(width),
       height_(height),
-      ffmpeg_(Mp4Arguments(beside_, width, height, frames_per_second)) {
+      ffmpeg_(std::make_unique<FfmpegPipe>(Mp4Arguments(beside_, width, height, frames_per_second))) {
   assert(width % 2 == 0 && height % 2 == 0);
 }
 
 VideoWriter::~VideoWriter() {
+  ffmpeg_.reset();  // before the file goes, or it might write another
   std::error_code error;
-  fs::remove(beside_, error);  // gone already where it was finished
+  fs::remove(beside_, error);
 }
 
 void VideoWriter::Add(const sim::RgbImage& frame) {
   assert(frame.width == width_ && frame.height == height_);
-  ffmpeg_.Write(frame.rgb);
+  ffmpeg_->Write(frame.rgb);
 }
 
 void VideoWriter::Finish() {
-  ffmpeg_.Finish();
+  ffmpeg_->Finish();
   Rename(beside_, path_);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "experiments/video/ffmpeg_pipe.h"
 #include "sim/render/colored_mesh.h"
@@ -23,7 +24,7 @@ class VideoWriter {
  private:
   std::filesystem::path path_, beside_;
   int width_, height_;
-  FfmpegPipe ffmpeg_;
+  std::unique_ptr<FfmpegPipe> ffmpeg_;
 };
 
 /// Whole or not at all. @throws InputError where ffmpeg is missing or the file cannot be written.
