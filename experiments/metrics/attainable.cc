@@ -161,7 +161,7 @@ class Search {
       }
       return true;
     });
-    sampled_ = position.stride < 4;
+    sampled_ = position.stride < 2;
     const int variant = sampled_ ? static_cast<int>(core::HashCounter(17, number) % 3) : 0;
     std::vector<std::vector<Aim>> found(static_cast<size_t>(std::max(threads_, 1)));
     core::ParallelFor(threads_, open_.size(), [&](size_t begin, size_t end, size_t worker) {

@@ -36,8 +36,8 @@ struct AttainableOptions {
   double max_range_m = 20.0;  ///< of returns that a mapper keeps; the sensor's own limit holds besides
   double sweep_roll_deg = 40.0;
   double sweep_period_s = 6.0;
-  double target_spacing_m = 0.02;  ///< of the truth samples that rays are aimed at
-  double min_rays = 3.0;           ///< expected within the radius of a sample, all headings of one position
+  double target_spacing_m = 0.015;  ///< of the truth samples that rays are aimed at
+  double min_rays = 3.0;            ///< expected within the radius of a sample, all headings of one position
   ReachOptions reach;
   int threads = 1;
 };

@@ -165,6 +165,9 @@ std::vector<uint8_t> CirclesFree(const ReachableSet& set, const std::vector<uint
   std::vector<uint8_t> free = firm;
   for (int row = 0; row < set.rows; ++row) {
     for (int col = 0; col < set.cols; ++col) {
+      // Nothing is known beyond the region.
+      const int to_border = std::min({row, col, set.rows - 1 - row, set.cols - 1 - col});
+      if (to_border < reach) free[set.IndexOf(row, col)] = 0;
       if (firm[set.IndexOf(row, col)] != 0) continue;
       bool on_border = false;  // only cells beside firm ground need stamping
       for (const auto& [dr, dc] : kSteps) {
