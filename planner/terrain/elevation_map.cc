@@ -16,10 +16,24 @@ constexpr double kRecentre_m = 0.5;     ///< the store follows the robot in step
 constexpr double kHeadroomMargin_m = 0.05;
 constexpr double kFootSigma_m = 0.008;
 constexpr float kSmoothQuery_m = 0.04f;  ///< heights this alike are interpolated between cells
-constexpr double kDepth_below_m = 4.0, kHeight_above_m = 2.5;
+constexpr double kWindowBelow_m = 4.0, kWindowAbove_m = 2.5;
 
 int EvenCells(double metres, double cell_m) {
   return 2 * static_cast<int>(std::ceil(0.5 * metres / cell_m));
+}
+
+void MarkHeadroom(const terrain::HeadroomGrid& headroom, double cell_m, float headroom_m,
+                  terrain::GroundImage* ground) {
+  const float cell = static_cast<float>(cell_m);
+  ground->headroom.assign(ground->kind.size(), 0);
+  for (int r = 0; r < ground->side; ++r) {
+    for (int c = 0; c < ground->side; ++c) {
+      const size_t i = ground->Index(r, c);
+      ground->headroom[i] = headroom.IsClear((static_cast<float>(ground->min_x + c) + 0.5f) * cell,
+                                             (static_cast<float>(ground->min_y + r) + 0.5f) * cell,
+                                             ground->reference_m[i], headroom_m);
+    }
+  }
 }
 
 }  // namespace
@@ -29,7 +43,8 @@ struct ElevationMap::Impl {
       : params(p),
         robot(r),
         grid(p.cell_m, EvenCells(p.window_m + 2.0 * kStoreMargin_m, p.cell_m)),
-        ingest(&grid) {
+        headroom(p.window_m + 2.0 * kStoreMargin_m),
+        ingest(&grid, &headroom) {
     wave.link_m = static_cast<float>(p.negative_obstacle_m);
     wave.step_m = static_cast<float>(p.critical_step_m);
     wave.headroom_m = static_cast<float>(r.stance_height_m + r.body_top_m + kHeadroomMargin_m);
@@ -41,6 +56,7 @@ struct ElevationMap::Impl {
     const int ix = grid.IndexOf(base.translation().x()), iy = grid.IndexOf(base.translation().y());
     const int centre_x = grid.min_x() + grid.side() / 2, centre_y = grid.min_y() + grid.side() / 2;
     const int limit = static_cast<int>(kRecentre_m / params.cell_m);
+    headroom.AddClearDisc(base.translation().head<2>(), robot.half_width_m, ground, ground + wave.headroom_m);
     if (std::abs(ix - centre_x) > limit || std::abs(iy - centre_y) > limit) grid.CenterOn(ix, iy);
   }
 
@@ -78,6 +94,7 @@ struct ElevationMap::Impl {
   TerrainParams params;
   robots::RobotSpec robot;
   terrain::LayeredGrid grid;
+  terrain::HeadroomGrid headroom;
   terrain::RayIngest ingest;
   terrain::WaveParams wave;
   terrain::GroundImage ground;
@@ -98,6 +115,7 @@ void ElevationMap::InitialiseUnderRobot(const core::Pose& T_map_base) {
   const double ground = T_map_base.translation().z() - m.robot.stance_height_m;
   m.MoveTo(T_map_base, ground);
   const double radius = m.params.initial_ground_radius_m;
+  m.headroom.AddClearDisc(m.base.translation().head<2>(), radius, ground, ground + m.wave.headroom_m);
   const int reach = static_cast<int>(std::ceil(radius / m.params.cell_m));
   const int ix = m.grid.IndexOf(m.base.translation().x()), iy = m.grid.IndexOf(m.base.translation().y());
   for (int dy = -reach; dy <= reach; ++dy) {
@@ -145,6 +163,7 @@ void ElevationMap::Update() {
   m.ground.min_x = m.grid.IndexOf(robot.x()) - m.ground.side / 2;
   m.ground.min_y = m.grid.IndexOf(robot.y()) - m.ground.side / 2;
   FindGround(m.wave, robot, 0.5 * m.robot.half_width_m, m.ingest.ground_m(), &m.grid, &m.ground);
+  MarkHeadroom(m.headroom, cell, m.wave.headroom_m, &m.ground);
   const double reach = std::hypot(m.robot.half_length_m, m.robot.half_width_m);
   const int radius = static_cast<int>(
       std::ceil((std::max(reach, m.robot.footprint_radius_m) + 1.5 * m.params.edge_clearance_m) / cell) + 2);
@@ -216,7 +235,7 @@ ElevationMap::Surface ElevationMap::SurfaceAt(const core::Vec2& p_map) const {
       static_cast<size_t>(row / 2) * static_cast<size_t>(planes.cols) + static_cast<size_t>(col / 2);
   if (!std::isfinite(planes.height_m[block])) return surface;
   surface.height_m = planes.height_m[block];
-  surface.slope_rad = std::atan(planes.slope[block]);
+  surface.slope_rad = planes.slope_rad[block];
   surface.roughness_m = planes.roughness_m[block];
   return surface;
 }
@@ -225,8 +244,8 @@ core::Box3 ElevationMap::Window() const {
   const Impl& m = *impl_;
   const double half = 0.5 * m.params.window_m;
   core::Box3 box;
-  box.min = {m.image_centre.x() - half, m.image_centre.y() - half, m.image_ground_m - kDepth_below_m};
-  box.max = {m.image_centre.x() + half, m.image_centre.y() + half, m.image_ground_m + kHeight_above_m};
+  box.min = {m.image_centre.x() - half, m.image_centre.y() - half, m.image_ground_m - kWindowBelow_m};
+  box.max = {m.image_centre.x() + half, m.image_centre.y() + half, m.image_ground_m + kWindowAbove_m};
   return box;
 }
 

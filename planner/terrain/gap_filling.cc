@@ -7,13 +7,12 @@
 namespace atlas::planner::terrain {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr int kMinCrossings = 3;     ///< fewer may be noise at a rim
-constexpr float kSolidShare = 0.1f;  ///< of the rays that meet a cell of a grating end on its bars, at least
-constexpr float kSmoothGate_m = 0.03f;  ///< neighbours this alike are averaged; a kerb keeps its edge
-constexpr float kConsistent_m =
-    0.06f;                             ///< heights about a filled cell that differ by more leave it uncertain
-constexpr float kSpeckleShare = 0.3f;  ///< of the neighbourhood, for ground amid crossings to count
+constexpr int kMinCrossings = 3;    ///< fewer may be noise at a rim
+constexpr int kManyCrossings = 30;  ///< in 5 x 5 cells: bars that stop one ray in four would have shown
+constexpr int kRaysPerReturn =
+    10;  ///< of the rays that meet a cell of a grating, at most, for one that its bars stop
+constexpr float kSmoothGate_m = 0.04f;  ///< neighbours less apart are averaged; a kerb keeps its edge
+constexpr int kSpeckleCells = 8;        ///< of 5 x 5, at least, for ground amid crossings to count
 
 /// Calls visit(j) for the valid 8-neighbours j of cell i; the outermost ring has none.
 template <typename Visit>
@@ -29,66 +28,95 @@ void ForNeighbours(size_t i, int side, const Visit& visit) {
 
 /// Ground whose returns are not a vanishing share of the rays that met the cell.
 Mask MeasuredGround(const GroundImage& ground) {
-  Mask measured(ground.kind.size(), 0);
-  for (size_t i = 0; i < measured.size(); ++i) {
-    measured[i] =
-        ground.kind[i] == CellKind::kGround &&
-        (static_cast<float>(ground.support[i]) >= kSolidShare * static_cast<float>(ground.crossings[i]));
+  const size_t count = ground.kind.size(), width = static_cast<size_t>(ground.side);
+  Mask measured(count, 0);
+  uint8_t* const out = measured.data();
+  const CellKind* const kind = ground.kind.data();
+  const uint16_t* const support = ground.support.data();
+  const uint16_t* const crossings = ground.crossings.data();
+  for (size_t i = 0; i < count; ++i) {
+    out[i] = (kind[i] == CellKind::kGround) & (support[i] * kRaysPerReturn >= crossings[i]);
   }
   // A few returns amid many crossings are no grating: a handrail that goes down a stairwell.
   Mask kept(measured);
-  for (int r = 2; r < ground.side - 2; ++r) {
-    for (int c = 2; c < ground.side - 2; ++c) {
-      const size_t i = ground.Index(r, c);
-      if (!measured[i] || ground.crossings[i] < kMinCrossings) continue;
-      int near = 0;
-      for (int rr = r - 2; rr <= r + 2; ++rr) {
-        for (int cc = c - 2; cc <= c + 2; ++cc) near += measured[ground.Index(rr, cc)];
-      }
-      kept[i] = static_cast<float>(near) >= 25.0f * kSpeckleShare;
+  for (size_t i = 2 * width; i + 2 * width < count; ++i) {
+    if (crossings[i] < kMinCrossings || out[i] == 0 || i % width < 2 || i % width + 2 >= width) continue;
+    int near = 0;
+    for (size_t j = i - 2 * width - 2; j <= i + 2 * width; j += width) {
+      for (size_t k = j; k < j + 5; ++k) near += out[k];
     }
+    kept[i] = near >= kSpeckleCells;
   }
   return kept;
 }
 
-/// Cells of `gap` covered by discs of this radius (in cells) that are centred on a cell of `gap` for which
-/// `eligible` holds and that touch no cell of `closed`.
+/// Opens what is covered by discs of this radius (in cells) that touch no cell of `closed` and whose centre
+/// is `eligible`.
 template <typename Eligible>
 void OpenByDisc(const Mask& closed, const std::vector<int16_t>& distance2_closed, int side,
                 double radius_cells, const Eligible& eligible, Mask* open) {
+  const int radius2 = static_cast<int>(std::ceil(radius_cells * radius_cells));
   Mask centre(closed.size(), 0);
+  const int16_t* const distance2 = distance2_closed.data();
   for (size_t i = 0; i < closed.size(); ++i) {
-    centre[i] = !closed[i] && distance2_closed[i] >= radius_cells * radius_cells && eligible(i);
+    if (distance2[i] >= radius2 && eligible(i)) centre[i] = 1;
   }
   // Three quarters of a cell more reaches into the corners of a rectangular hole.
   const double reach = radius_cells + 0.75;
+  const int reach2 = static_cast<int>(reach * reach);
   const std::vector<int16_t> d2 = SquaredDistance(centre, side, side, static_cast<int>(std::ceil(reach)));
-  for (size_t i = 0; i < closed.size(); ++i) {
-    if (!closed[i] && d2[i] <= reach * reach) (*open)[i] = 1;
+  const uint8_t* const shut = closed.data();
+  const int16_t* const near = d2.data();
+  uint8_t* const out = open->data();
+  for (size_t i = 0, count = closed.size(); i < count; ++i) {
+    out[i] = static_cast<uint8_t>(out[i] | ((shut[i] == 0) & (near[i] <= reach2)));
   }
 }
 
-/// Mean with alike neighbours: noise falls, steps stay.
+/// Whether so many rays went down about this cell that bars would have stopped some.
+bool SeenThrough(const GroundImage& ground, size_t i) {
+  if (ground.crossings[i] < kMinCrossings) return false;
+  const size_t width = static_cast<size_t>(ground.side), row = i / width, col = i % width;
+  if (row < 2 || col < 2 || row + 2 >= width || col + 2 >= width) return false;
+  int sum = 0;
+  for (size_t r = row - 2; r <= row + 2; ++r) {
+    for (size_t c = col - 2; c <= col + 2; ++c) sum += ground.crossings[r * width + c];
+  }
+  return sum >= kManyCrossings;
+}
+
+/// Mean with alike neighbours: noise falls, steps stay. Cells that are not solid pass through.
 std::vector<float> Smooth(const std::vector<float>& height, const Mask& solid, int side) {
-  std::vector<float> out(height);
-  for (int r = 1; r + 1 < side; ++r) {
-    for (int c = 1; c + 1 < side; ++c) {
-      const size_t i = static_cast<size_t>(r) * static_cast<size_t>(side) + static_cast<size_t>(c);
-      if (!solid[i]) continue;
-      float sum = 0.0f, n = 0.0f;
-      ForNeighbours(i, side, [&](size_t j) {
-        const float alike = solid[j] && std::abs(height[j] - height[i]) <= kSmoothGate_m ? 1.0f : 0.0f;
-        sum += alike * (solid[j] ? height[j] : 0.0f);
-        n += alike;
-      });
-      out[i] = (2.0f * height[i] + sum) / (2.0f + n);
+  const size_t width = static_cast<size_t>(side);
+  constexpr float kFar = 1e9f;  // alike to nothing
+  std::vector<float> value(height), out(height);
+  for (size_t i = 0; i < value.size(); ++i) value[i] = solid[i] ? value[i] : kFar;
+  std::vector<float> sum(width), n(width);
+  for (size_t r = 1; r + 1 < width; ++r) {
+    const float* own = value.data() + r * width;
+    for (size_t c = 0; c < width; ++c) {
+      sum[c] = 0.0f;
+      n[c] = 0.0f;
+    }
+    for (size_t k = 0; k < 9; ++k) {
+      const float* other = value.data() + (r + k / 3 - 1) * width + k % 3;
+      for (size_t c = 1; c + 1 < width; ++c) {
+        const float z = other[c - 1];
+        const float apart = (z - own[c]) * (1.0f / kSmoothGate_m);
+        const float weight = std::max(0.0f, 1.0f - apart * apart);
+        sum[c] += weight * z;
+        n[c] += weight;
+      }
+    }
+    for (size_t c = 1; c + 1 < width; ++c) {
+      if (solid[r * width + c]) out[r * width + c] = sum[c] / n[c];
     }
   }
   return out;
 }
 
-/// Grows heights from the rim of each gap inwards, then relaxes them; returns the cells that got one.
-std::vector<size_t> Interpolate(const std::vector<size_t>& gaps, int side, int rounds, Support* support) {
+/// Grows heights from the rim of each gap inwards, then relaxes them.
+void Interpolate(const std::vector<size_t>& gaps, int side, int rounds, Support* support) {
   std::vector<size_t> filled, waiting(gaps);
   for (int round = 0; round < rounds && !waiting.empty(); ++round) {
     std::vector<std::pair<size_t, float>> grown;
@@ -110,6 +138,7 @@ std::vector<size_t> Interpolate(const std::vector<size_t>& gaps, int side, int r
     for (const auto& [i, height] : grown) {
       support->height_m[i] = height;
       support->solid[i] = 1;
+      support->filled[i] = 1;
       filled.push_back(i);
     }
     waiting.swap(later);
@@ -126,7 +155,6 @@ std::vector<size_t> Interpolate(const std::vector<size_t>& gaps, int side, int r
       if (n > 0) support->height_m[i] = sum / static_cast<float>(n);
     }
   }
-  return filled;
 }
 
 }  // namespace
@@ -136,7 +164,7 @@ Support FindSupport(double cell_m, double max_fill_m, const GroundImage& ground)
   Support support;
   support.height_m = ground.height_m;
   support.solid = MeasuredGround(ground);
-  support.uncertain.assign(support.solid.size(), 0);
+  support.filled.assign(support.solid.size(), 0);
 
   Mask closed(support.solid);
   for (size_t i = 0; i < closed.size(); ++i) closed[i] |= ground.blocked[i];
@@ -148,19 +176,14 @@ Support FindSupport(double cell_m, double max_fill_m, const GroundImage& ground)
   OpenByDisc(
       closed, d2, side, radius, [](size_t) { return true; }, &support.open);
   OpenByDisc(
-      closed, d2, side, seen_radius,
-      [&](size_t i) { return ground.crossings[i] >= kMinCrossings || ground.kind[i] == CellKind::kBelow; },
-      &support.open);
+      closed, d2, side, seen_radius, [&](size_t i) { return SeenThrough(ground, i); }, &support.open);
 
   std::vector<size_t> gaps;
   for (size_t i = 0; i < closed.size(); ++i) {
     if (!closed[i] && !support.open[i]) gaps.push_back(i);
   }
   support.height_m = Smooth(Smooth(support.height_m, support.solid, side), support.solid, side);
-  const std::vector<size_t> filled =
-      Interpolate(gaps, side, static_cast<int>(std::ceil(radius)) + 1, &support);
-  const std::vector<float> relief = SlidingRange(support.height_m, support.solid, side, side, 2);
-  for (const size_t i : filled) support.uncertain[i] = relief[i] > kConsistent_m;
+  Interpolate(gaps, side, static_cast<int>(std::ceil(radius)) + 1, &support);
   for (size_t i = 0; i < closed.size(); ++i) support.open[i] = !support.solid[i] && !closed[i];
   return support;
 }

@@ -13,7 +13,7 @@ struct Support {
   std::vector<float> height_m;  ///< smoothed where solid; what was seen elsewhere; NaN where nothing
   Mask solid;                   ///< measured or filled
   Mask open;                    ///< no support and no obstacle: hole, drop or unknown
-  Mask uncertain;               ///< filled between heights that differ
+  Mask filled;                  ///< solid by interpolation or between bars
 };
 
 /// A gap stays open where a disc of diameter `max_fill_m` fits into it without touching ground. Where rays

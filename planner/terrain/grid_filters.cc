@@ -110,7 +110,7 @@ void SolvePlane(const float* const m[kMoments], size_t c, double block_m, float 
   const double a = spread ? (xz * yy - yz * xy) / det : 0.0;
   const double b = spread ? (yz * xx - xz * xy) / det : 0.0;
   fits->height_m[at] = static_cast<float>(z - a * x - b * y + datum);
-  fits->slope[at] = static_cast<float>(std::hypot(a, b) / block_m);
+  fits->slope_rad[at] = static_cast<float>(std::atan(std::sqrt(a * a + b * b) / block_m));
   fits->roughness_m[at] = static_cast<float>(std::sqrt(std::max(0.0, zz - a * xz - b * yz)));
 }
 
@@ -160,7 +160,7 @@ PlaneFits FitPlanes(const std::vector<float>& height_m, const Mask& valid, int r
   fits.cols = (cols + 1) / 2;
   const size_t width = static_cast<size_t>(fits.cols), count = width * static_cast<size_t>(fits.rows);
   fits.height_m.assign(count, std::numeric_limits<float>::quiet_NaN());
-  fits.slope.assign(count, 0.0f);
+  fits.slope_rad.assign(count, 0.0f);
   fits.roughness_m.assign(count, 0.0f);
 
   float datum = 0.0f;  // any valid height: keeps the squares small

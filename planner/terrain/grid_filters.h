@@ -19,9 +19,9 @@ std::vector<float> SlidingRange(const std::vector<float>& value, const Mask& val
 
 /// Least-squares plane through the valid heights of a square about each block of 2 x 2 cells.
 struct PlaneFits {
-  int rows = 0, cols = 0;          ///< in blocks; block (r, c) holds cells (2r..2r+1, 2c..2c+1)
-  std::vector<float> height_m;     ///< of the plane at the block's centre; NaN where too few cells
-  std::vector<float> slope;        ///< tangent of the inclination
+  int rows = 0, cols = 0;       ///< in blocks; block (r, c) holds cells (2r..2r+1, 2c..2c+1)
+  std::vector<float> height_m;  ///< of the plane at the block's centre; NaN where too few cells
+  std::vector<float> slope_rad;
   std::vector<float> roughness_m;  ///< rms distance in height from the plane
 };
 PlaneFits FitPlanes(const std::vector<float>& height_m, const Mask& valid, int rows, int cols, double cell_m,

@@ -29,9 +29,8 @@ struct Reading {
 const Layer* FindSurface(const WaveParams& params, const LayeredCell& cell, float reference) {
   uint16_t strongest = 0;
   for (const Layer& layer : cell.layer) {
-    if (layer.count > 0 && std::abs(SurfaceOf(layer) - reference) <= params.link_m) {
-      strongest = std::max(strongest, layer.count);
-    }
+    if (layer.count > strongest && std::abs(SurfaceOf(layer) - reference) <= params.link_m)
+      strongest = layer.count;
   }
   if (strongest == 0) return nullptr;
   const Layer* highest = nullptr;
@@ -60,11 +59,10 @@ Reading ReadGround(const WaveParams& params, const LayeredCell& cell, const Laye
   return reading;
 }
 
-Reading ReadCell(const WaveParams& params, const LayeredGrid& grid, size_t slot, float reference) {
-  const LayeredCell& cell = grid.cell(slot);
-  if (const Layer* surface = FindSurface(params, cell, reference)) return ReadGround(params, cell, *surface);
+/// A cell without ground: something in the way, a floor far below, ground that was declared, or nothing.
+Reading ReadOther(const WaveParams& params, const LayeredGrid& grid, size_t slot, float reference) {
   Reading reading;
-  for (const Layer& layer : cell.layer) {
+  for (const Layer& layer : grid.cell(slot).layer) {
     if (layer.count < kMinSupport) continue;
     const bool in_the_way =
         layer.hi_m > reference + params.link_m && layer.lo_m < reference + params.headroom_m;
@@ -83,26 +81,39 @@ Reading ReadCell(const WaveParams& params, const LayeredGrid& grid, size_t slot,
   return reading;
 }
 
+Reading ReadCell(const WaveParams& params, const LayeredGrid& grid, size_t slot, float reference) {
+  const LayeredCell& cell = grid.cell(slot);
+  if (const Layer* surface = FindSurface(params, cell, reference)) return ReadGround(params, cell, *surface);
+  return ReadOther(params, grid, slot, reference);
+}
+
+/// What most cells come to, gathered in memory order so that the wave, which jumps about, need not open them.
+enum class Gist : uint8_t { kEmpty, kPlain, kComplex };
+
 class Wave {
  public:
-  Wave(const WaveParams& params, LayeredGrid* grid, GroundImage* image)
-      : params_(params), grid_(*grid), image_(*image) {}
+  Wave(const WaveParams& params, const LayeredGrid& grid, GroundImage* image)
+      : params_(params), grid_(grid), image_(*image), gist_(image->kind.size()), mean_m_(image->kind.size()) {
+    for (int row = 0; row < image_.side; ++row) {
+      for (int col = 0; col < image_.side; ++col) Gather(row, col);
+    }
+    ground_.reserve(image_.kind.size());
+    other_.reserve(image_.kind.size());
+  }
 
   void Reach(int row, int col, float reference) {
     const size_t i = image_.Index(row, col);
+    if (image_.kind[i] == CellKind::kGround) return;
     const bool first = std::isnan(image_.reference_m[i]);
-    if (!first && (image_.kind[i] == CellKind::kGround || !over_ground_)) return;
-    const size_t slot = grid_.Slot(image_.min_x + col, image_.min_y + row);
-    const Reading reading = ReadCell(params_, grid_, slot, reference);
+    if (!first && !over_ground_) return;
+    const Reading reading = Read(row, col, reference);
     if (!first && reading.kind != CellKind::kGround) return;
     image_.kind[i] = reading.kind;
     image_.height_m[i] = reading.height_m;
     image_.support[i] = reading.support;
     image_.blocked[i] = reading.blocked;
-    image_.crossings[i] = grid_.crossings(slot);
     image_.reference_m[i] = reading.kind == CellKind::kGround ? reading.height_m : reference;
-    grid_.SetReference(slot, image_.reference_m[i]);
-    (reading.kind == CellKind::kGround ? ground_ : other_).push_back(static_cast<int>(i));
+    (reading.kind == CellKind::kGround ? ground_ : other_).push_back({row, col});
   }
 
   /// Linked ground first; then, a cell at a time, across what is not ground.
@@ -110,10 +121,10 @@ class Wave {
     size_t next_ground = 0, next_other = 0;
     while (next_ground < ground_.size() || next_other < other_.size()) {
       over_ground_ = next_ground < ground_.size();
-      const int i = over_ground_ ? ground_[next_ground++] : other_[next_other++];
-      const int row = i / image_.side, col = i % image_.side;
-      const float reference = image_.reference_m[static_cast<size_t>(i)];
-      if (!over_ground_ && image_.kind[static_cast<size_t>(i)] == CellKind::kGround) continue;
+      const auto [row, col] = over_ground_ ? ground_[next_ground++] : other_[next_other++];
+      const size_t i = image_.Index(row, col);
+      if (!over_ground_ && image_.kind[i] == CellKind::kGround) continue;
+      const float reference = image_.reference_m[i];
       if (col > 0) Reach(row, col - 1, reference);
       if (col + 1 < image_.side) Reach(row, col + 1, reference);
       if (row > 0) Reach(row - 1, col, reference);
@@ -122,10 +133,41 @@ class Wave {
   }
 
  private:
+  struct Place {
+    int row, col;
+  };
+
+  void Gather(int row, int col) {
+    const size_t i = image_.Index(row, col), slot = grid_.Slot(image_.min_x + col, image_.min_y + row);
+    const LayeredCell& cell = grid_.cell(slot);
+    const Layer& only = cell.layer[0];
+    image_.crossings[i] = grid_.crossings(slot);
+    if (only.count == 0) {
+      gist_[i] = std::isnan(grid_.assumed_m(slot)) ? Gist::kEmpty : Gist::kComplex;
+    } else if (cell.layer[1].count == 0 && only.count >= kMinSupport && !IsTall(only)) {
+      gist_[i] = Gist::kPlain;
+      mean_m_[i] = only.mean_m;
+      image_.support[i] = only.count;
+    } else {
+      gist_[i] = Gist::kComplex;
+    }
+  }
+
+  Reading Read(int row, int col, float reference) const {
+    const size_t i = image_.Index(row, col);
+    if (gist_[i] == Gist::kEmpty) return {};
+    if (gist_[i] == Gist::kPlain && std::abs(mean_m_[i] - reference) <= params_.link_m) {
+      return {CellKind::kGround, mean_m_[i], image_.support[i], false};
+    }
+    return ReadCell(params_, grid_, grid_.Slot(image_.min_x + col, image_.min_y + row), reference);
+  }
+
   const WaveParams& params_;
-  LayeredGrid& grid_;
+  const LayeredGrid& grid_;
   GroundImage& image_;
-  std::vector<int> ground_, other_;
+  std::vector<Gist> gist_;
+  std::vector<float> mean_m_;
+  std::vector<Place> ground_, other_;
   bool over_ground_ = true;
 };
 
@@ -140,7 +182,7 @@ void FindGround(const WaveParams& params, const core::Vec2& robot, double seed_r
   image->support.assign(count, 0);
   image->crossings.assign(count, 0);
   image->blocked.assign(count, 0);
-  Wave wave(params, grid, image);
+  Wave wave(params, *grid, image);
   const int reach = std::max(1, static_cast<int>(seed_radius_m / grid->cell_m()));
   const int row = grid->IndexOf(robot.y()) - image->min_y, col = grid->IndexOf(robot.x()) - image->min_x;
   for (int r = std::max(0, row - reach); r <= std::min(image->side - 1, row + reach); ++r) {
@@ -149,6 +191,12 @@ void FindGround(const WaveParams& params, const core::Vec2& robot, double seed_r
     }
   }
   wave.Spread();
+  for (int r = 0; r < image->side; ++r) {
+    for (int c = 0; c < image->side; ++c) {
+      grid->SetReference(grid->Slot(image->min_x + c, image->min_y + r),
+                         image->reference_m[image->Index(r, c)]);
+    }
+  }
 }
 
 }  // namespace atlas::planner::terrain

@@ -33,6 +33,8 @@ struct GroundImage {
   std::vector<uint16_t> crossings;  ///< rays that crossed the expected height and went on down
   std::vector<uint8_t> blocked;     ///< something in the way at the body's height
 
+  std::vector<uint8_t> headroom;  ///< the body's space was seen to be empty; filled by the caller
+
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * static_cast<size_t>(side) + static_cast<size_t>(col);
   }

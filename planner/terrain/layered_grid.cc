@@ -107,7 +107,9 @@ void LayeredGrid::AddHeight(size_t slot, float z_m, float variance_m2, int count
   for (Layer& layer : cells_[slot].layer) {
     if (layer.count == 0) {
       unused = &layer;
-    } else if (Joins(layer, z_m) && std::abs(z_m - layer.mean_m) < nearest_m) {
+      break;
+    }
+    if (Joins(layer, z_m) && std::abs(z_m - layer.mean_m) < nearest_m) {
       nearest = &layer;
       nearest_m = std::abs(z_m - layer.mean_m);
     }

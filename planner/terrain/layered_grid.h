@@ -22,6 +22,7 @@ struct Layer {
 constexpr float kLayerGate_m = 0.07f;  ///< a return joins a layer whose mean is this near
 constexpr float kTall_m = 0.20f;       ///< layers that span more are vertical structure
 
+/// Layers in use come first.
 struct alignas(64) LayeredCell {
   std::array<Layer, 4> layer;
 };

@@ -1,5 +1,6 @@
 #include "planner/terrain/ray_ingest.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,7 +15,9 @@ constexpr float kHeightSigma_m = 0.004f;  ///< of the sensor itself
 constexpr float kTrustedVoid_m = 12.0f;   ///< a void ray proves no more than this of free space
 constexpr float kSurfaceSlack_m = 0.05f;  ///< a ray this far under the expected height has crossed it ...
 constexpr float kClearDrop_m = 0.12f;     ///< ... if it goes on at least to here
-constexpr int kDepthStride = 2;           ///< pixels, both ways
+constexpr int kHeadroomAzimuths = 225;    ///< firings a revolution whose free space is kept
+constexpr int kHeadroomRows = 32;
+constexpr int kDepthStride = 2;  ///< pixels, both ways
 constexpr float kMaxDepth_m = 4.0f;
 
 float Square(float x) {
@@ -67,6 +70,8 @@ void RayIngest::AddClearRay(const core::Vec3f& origin, const core::Vec3f& direct
 void RayIngest::AddSpin(const core::SpinEvent& spin, const core::Pose& T_map_odom) {
   const core::LidarScan& scan = spin.scan;
   if (spin.T_odom_lidar.empty()) return;
+  const int column_stride = std::max(1, scan.columns / kHeadroomAzimuths);
+  const int row_stride = std::max(1, scan.rows / kHeadroomRows);
   for (int column = 0; column < scan.columns; ++column) {
     double pose_time = std::numeric_limits<double>::quiet_NaN();
     PoseF T(core::Pose::Identity());
@@ -81,13 +86,11 @@ void RayIngest::AddSpin(const core::SpinEvent& spin, const core::Pose& T_map_odo
         T = PoseF(T_map_odom * spin.T_odom_lidar.At(scan.stamp_s + time));
       }
       const core::Vec3f direction = T.R * scan.direction_lidar[i];
-      if (kind == core::ReturnKind::kHit) {
-        const float range = scan.range_m[i];
-        AddClearRay(T.t, direction, range);
-        AddReturn(T.t + range * direction, LidarVariance(direction.z(), range));
-      } else {
-        AddClearRay(T.t, direction, kTrustedVoid_m);
-      }
+      const float clear = kind == core::ReturnKind::kHit ? scan.range_m[i] : kTrustedVoid_m;
+      AddClearRay(T.t, direction, clear);
+      if (column % column_stride == 0 && row % row_stride == 0) headroom_.AddClearRay(T.t, direction, clear);
+      if (kind == core::ReturnKind::kHit)
+        AddReturn(T.t + clear * direction, LidarVariance(direction.z(), clear));
     }
   }
 }

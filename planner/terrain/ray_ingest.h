@@ -3,14 +3,15 @@
 #pragma once
 
 #include "core/sensor_events.h"
+#include "planner/terrain/headroom_grid.h"
 #include "planner/terrain/layered_grid.h"
 
 namespace atlas::planner::terrain {
 
 class RayIngest {
  public:
-  /// @param grid  outlives this.
-  explicit RayIngest(LayeredGrid* grid) : grid_(*grid) {}
+  /// @param grid,headroom  outlive this.
+  RayIngest(LayeredGrid* grid, HeadroomGrid* headroom) : grid_(*grid), headroom_(*headroom) {}
 
   /// Ground under the robot; returns from more than 4 m below to 2.5 m above it are kept.
   void SetGround(float ground_m) { ground_m_ = ground_m; }
@@ -30,6 +31,7 @@ class RayIngest {
   void AddClearRay(const core::Vec3f& origin, const core::Vec3f& direction, float clear_m);
 
   LayeredGrid& grid_;
+  HeadroomGrid& headroom_;
   float ground_m_ = 0.0f;
 };
 

@@ -24,10 +24,11 @@ std::vector<float> Score(const TerrainParams& params, const TerrainImage& image,
   for (int r = 0; r < image.side; ++r) {
     for (int c = 0; c < image.side; ++c) {
       const size_t i = image.Index(r, c);
-      if (!image.solid[i] || ground.blocked[i] || image.distance2_open[i] <= 2) continue;
+      if (!image.solid[i] || ground.blocked[i] || !ground.headroom[i] || image.distance2_open[i] <= 2)
+        continue;
       const size_t block =
           static_cast<size_t>(r / 2) * static_cast<size_t>(image.planes.cols) + static_cast<size_t>(c / 2);
-      const float slope = std::atan(image.planes.slope[block]) / max_slope_rad;
+      const float slope = image.planes.slope_rad[block] / max_slope_rad;
       const float step = step_m[i] / max_step_m;
       const float roughness = image.planes.roughness_m[block] / max_roughness_m;
       if (slope >= 1.0f || step >= 1.0f || roughness >= 1.0f) continue;
@@ -67,12 +68,14 @@ void KeepReachable(double min_traversability, int row, int col, int seed_radius,
   }
 }
 
-void MarkSteppable(const GroundImage& ground, const Mask& uncertain, TerrainImage* image) {
+void MarkSteppable(const GroundImage& ground, const Mask& filled, const std::vector<float>& step_m,
+                   TerrainImage* image) {
   const std::vector<float> relief_m =
       SlidingRange(image->height_m, image->solid, image->side, image->side, 1);
   image->steppable.assign(image->solid.size(), 0);
   for (size_t i = 0; i < image->solid.size(); ++i) {
-    image->steppable[i] = image->solid[i] && !ground.blocked[i] && !uncertain[i] && relief_m[i] <= kRiser_m &&
+    const bool uncertain = filled[i] && step_m[i] > kRiser_m;
+    image->steppable[i] = image->solid[i] && !ground.blocked[i] && !uncertain && relief_m[i] <= kRiser_m &&
                           image->distance2_open[i] >= 4;
   }
 }
@@ -98,7 +101,7 @@ TerrainImage AssessTerrain(const TerrainParams& params, const GroundImage& groun
       SlidingRange(image.height_m, image.solid, image.side, image.side, kStepRadius);
   image.traversability = Score(params, image, ground, step_m);
   KeepReachable(params.min_traversability, robot_row, robot_col, distance_radius, &image);
-  MarkSteppable(ground, support.uncertain, &image);
+  MarkSteppable(ground, support.filled, step_m, &image);
 
   Mask blocks(image.solid.size());
   for (size_t i = 0; i < blocks.size(); ++i) {
