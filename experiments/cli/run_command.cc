@@ -7,7 +7,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/closed_loop.h"
 #include "experiments/interrupt.h"
-#include "experiments/report/tables.h"
+#include "experiments/metrics/run_summary.h"
 
 namespace atlas::experiments {
 namespace {
@@ -34,7 +34,7 @@ class ProgressLine {
 
 int RunCommand(const RunArguments& arguments) {
   std::vector<std::string> assignments = arguments.assignments;
-  if (arguments.video) assignments.push_back("output.video=true");
+  if (arguments.video) assignments.emplace_back("output.video=true");
   const ExperimentConfig config = LoadExperiment(arguments.experiment, assignments);
 
   ProgressLine line;
@@ -51,7 +51,7 @@ int RunCommand(const RunArguments& arguments) {
   const RunSummary summary = RunClosedLoop(config, options);
   line.Show("", false);
   core::WriteFileAtomically(options.folder / "log.txt", line.log());
-  std::cout << CoverageTable({summary});
+  std::cout << ToJson(summary);
   std::cout << fmt::format("\n{} ({}); run folder: {}\n", NameOf(summary.status), NameOf(summary.stop_reason),
                            options.folder.string());
   return ExitCodeOf(summary.status);
