@@ -72,17 +72,40 @@ void Writer::Add(const std::string& name, const scenes::CollisionShape& collisio
   }
 }
 
-void CheckGrid(const scenes::SceneSpec& scene, const scenes::ScenePart& part,
-               const scenes::CollisionShape& shape) {
-  const auto* grid = std::get_if<scenes::HeightGridShape>(&shape.shape);
-  if (grid == nullptr) return;
-  const bool sized =
-      grid->rows >= 2 && grid->cols >= 2 && grid->spacing_m > 0.0 &&
-      grid->height_m.size() == static_cast<size_t>(grid->rows) * static_cast<size_t>(grid->cols);
-  if (!sized) {
-    throw core::InputError(fmt::format("scene {}: part '{}': height grid {} x {} with {} heights", scene.name,
-                                       part.name, grid->rows, grid->cols, grid->height_m.size()));
+std::string WhatIsWrong(const scenes::HeightGridShape& grid) {
+  const bool sized = grid.rows >= 2 && grid.cols >= 2 && grid.spacing_m > 0.0 &&
+                     grid.height_m.size() == static_cast<size_t>(grid.rows) * static_cast<size_t>(grid.cols);
+  if (sized) return "";
+  return fmt::format("height grid {} x {} with {} heights, {} m apart", grid.rows, grid.cols,
+                     grid.height_m.size(), grid.spacing_m);
+}
+
+/// The hull algorithm aborts on flat sets of points, so they are found beforehand.
+std::string WhatIsWrong(const scenes::HullShape& hull) {
+  constexpr double kFlatM = 1e-5;
+  core::Vec3 mean = core::Vec3::Zero();
+  for (const core::Vec3f& v : hull.mesh.vertices) mean += v.cast<double>();
+  mean /= std::max<double>(1.0, static_cast<double>(hull.mesh.vertices.size()));
+  core::Mat3 spread = core::Mat3::Zero();
+  for (const core::Vec3f& v : hull.mesh.vertices) {
+    const core::Vec3 d = v.cast<double>() - mean;
+    spread += d * d.transpose();
   }
+  const double thinnest = Eigen::SelfAdjointEigenSolver<core::Mat3>(spread).eigenvalues()[0];
+  if (hull.mesh.vertices.size() >= 4 && thinnest > kFlatM * kFlatM) return "";
+  return fmt::format("convex hull of {} points is flat", hull.mesh.vertices.size());
+}
+
+template <typename Shape>
+std::string WhatIsWrong(const Shape&) {
+  return "";
+}
+
+void CheckShape(const scenes::SceneSpec& scene, const scenes::ScenePart& part,
+                const scenes::CollisionShape& c) {
+  const std::string wrong = std::visit([](const auto& shape) { return WhatIsWrong(shape); }, c.shape);
+  if (wrong.empty()) return;
+  throw core::InputError(fmt::format("scene {}: part '{}': {}", scene.name, part.name, wrong));
 }
 
 }  // namespace
@@ -95,7 +118,7 @@ std::string ComposeMjcf(const scenes::SceneSpec& scene, const robots::RobotSpec&
   Writer writer;
   for (size_t i = 0; i < scene.parts.size(); ++i) {
     for (size_t j = 0; j < scene.parts[i].collision.size(); ++j) {
-      CheckGrid(scene, scene.parts[i], scene.parts[i].collision[j]);
+      CheckShape(scene, scene.parts[i], scene.parts[i].collision[j]);
       writer.Add(StaticShapeName(i, j), scene.parts[i].collision[j]);
     }
   }

@@ -11,7 +11,7 @@ constexpr double kLinearAcceleration = 1.5, kYawAcceleration = 4.0;
 constexpr double kMaxYawLead = 0.4;  ///< of the reference over the base
 constexpr double kMaxLeadTrot = 0.06, kMaxLeadStand = 0.15;
 constexpr double kVelocityIntegral = 0.6, kMaxVelocityIntegral = 0.2, kIntegralDecay = 2.0;
-constexpr double kStandAfterS = 0.8, kStandAnywayAfterS = 3.0;
+constexpr double kStandAfterS = 0.55, kStandAnywayAfterS = 3.0;
 constexpr double kStandSpeedMps = 0.12, kStandFeetM = 0.08;
 constexpr double kCaptureM = 0.14;   ///< a capture point farther out needs a step
 constexpr double kLiftWindow = 0.3;  ///< share of a scheduled swing in which a leg lifts
