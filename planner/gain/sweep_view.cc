@@ -39,6 +39,11 @@ SweepView::SweepView(const SweepSensorModel& sensor)
     const double gap = std::max(beam_rad_[i + 1] - beam_rad_[i], 1e-6);
     beam_share_.push_back(1.0 / (gap * static_cast<double>(beam_rad_.size() - 1)));
   }
+  for (const double elevation : beam_rad_) beam_sine_.push_back(std::sin(elevation));
+  for (int i = 0; i < kRollSteps; ++i) {
+    const double roll = roll_rad_ * (2.0 * (i + 0.5) / kRollSteps - 1.0);
+    roll_cos_sin_.emplace_back(std::cos(roll), std::sin(roll));
+  }
   FillTable(static_cast<double>(sensor.lidar.rows()) * sensor.lidar.columns * sensor.lidar.spin_rate_hz *
             kSweep_s);
   FindExtents();
@@ -47,17 +52,19 @@ SweepView::SweepView(const SweepSensorModel& sensor)
 /// Mean over the roll of the share of rays per steradian: beams are uniform in azimuth about the LiDAR's
 /// axis, so a share per radian of elevation spreads over 2 pi cos(elevation) radians.
 double SweepView::DensityAt(const core::Vec3& direction_base) const {
+  const core::Vec3 axis_base = R_lidar_base_.row(2).transpose();
+  const double constant = axis_base.x() * direction_base.x();
+  const double cosine = axis_base.dot(direction_base) - constant;
+  const double sine = axis_base.dot(core::Vec3::UnitX().cross(direction_base));
   double sum = 0.0;
-  for (int i = 0; i < kRollSteps; ++i) {
-    const double roll = roll_rad_ * (2.0 * (i + 0.5) / kRollSteps - 1.0);
-    const double e = ElevationOf(R_lidar_base_ * (RollBack(roll) * direction_base));
-    if (e < beam_rad_.front() || e > beam_rad_.back()) continue;
-    const auto above = std::upper_bound(beam_rad_.begin(), beam_rad_.end(), e);
-    const auto gap =
-        std::min<size_t>(static_cast<size_t>(above - beam_rad_.begin()), beam_rad_.size() - 1) - 1;
-    sum += beam_share_[gap] / (2.0 * core::kPi * std::max(std::cos(e), 1e-3));
+  for (const core::Vec2& roll : roll_cos_sin_) {
+    const double z = constant + roll.x() * cosine - roll.y() * sine;  // sine of the elevation in the LiDAR
+    if (z < beam_sine_.front() || z > beam_sine_.back()) continue;
+    size_t gap = 0;
+    while (gap + 2 < beam_sine_.size() && z > beam_sine_[gap + 1]) ++gap;
+    sum += beam_share_[gap] / (2.0 * core::kPi * std::sqrt(std::max(1.0 - z * z, 1e-6)));
   }
-  return sum / kRollSteps;
+  return sum / static_cast<double>(roll_cos_sin_.size());
 }
 
 void SweepView::FillTable(double rays_in_sweep) {

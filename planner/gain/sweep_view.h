@@ -74,9 +74,11 @@ class SweepView {
   core::Mat3 R_lidar_base_;
   double roll_rad_ = 0.0;
   double sensor_height_m_ = 0.0;
-  std::vector<double> beam_rad_;    ///< ascending elevations
-  std::vector<double> beam_share_;  ///< of the rays per radian of elevation, between neighbouring beams
-  std::vector<double> table_;       ///< row-major, elevation by azimuth
+  std::vector<double> beam_rad_;          ///< ascending elevations
+  std::vector<double> beam_sine_;         ///< of those
+  std::vector<core::Vec2> roll_cos_sin_;  ///< of the rolls at which beams are laid over a direction
+  std::vector<double> beam_share_;        ///< of the rays per radian of elevation, between neighbouring beams
+  std::vector<double> table_;             ///< row-major, elevation by azimuth
   double common_min_rad_ = 0.0, common_max_rad_ = 0.0, min_rad_ = 0.0, max_rad_ = 0.0;
 };
 
