@@ -113,7 +113,7 @@ void AddFittings(SceneBuilder& scene) {
       scene.Box(paint, Vec3(a.x(), std::min(side * a.y(), side * b.y()), a.z()),
                 Vec3(b.x(), std::max(side * a.y(), side * b.y()), b.z()), Physics::kNone);
     };
-    box(lamp, Vec3(2.0, 0.42, 0.52), Vec3(2.225, 0.67, 0.64));
+    box(lamp, Vec3(2.0, 0.42, 0.49), Vec3(2.25, 0.68, 0.61));
     box(lamp, Vec3(-2.235, 0.42, 0.64), Vec3(-2.0, 0.7, 0.8));
     box(trim, Vec3(-0.05, 0.84, 0.76), Vec3(0.13, 0.9, 0.79));
     box(trim, Vec3(-1.05, 0.84, 0.77), Vec3(-0.87, 0.9, 0.8));

@@ -60,8 +60,21 @@ uint16_t PartIndex(GroundTruth& truth, const std::string& name) {
   return static_cast<uint16_t>(truth.part_names.size() - 1);
 }
 
-void SampleTriangle(const Vec3 corner[3], const SolidTest& solids, double spacing_m, uint16_t part,
-                    GroundTruth& truth) {
+/// One connected piece of an object part.
+struct Shell {
+  core::TriMesh mesh;
+  int solid = -1;      ///< its index in the solid test, or -1 where it is not watertight
+  int part_index = 0;  ///< in the scene
+};
+
+bool IsExposed(const Vec3& p, const Vec3& normal, const SolidTest& solids, int own_solid) {
+  if (solids.IsInside(p + kOffset_m * normal)) return false;
+  const Vec3 behind = p - kOffset_m * normal;
+  return own_solid < 0 || solids.Winding(behind) < 2 || solids.FirstShellAround(behind) == own_solid;
+}
+
+void SampleTriangle(const Vec3 corner[3], const SolidTest& solids, int own_solid, double spacing_m,
+                    uint16_t part, GroundTruth& truth) {
   const Vec3 doubled_area = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
   const double area = 0.5 * doubled_area.norm();
   if (!(area > 1e-12)) return;
@@ -69,7 +82,7 @@ void SampleTriangle(const Vec3 corner[3], const SolidTest& solids, double spacin
   size_t drawn = 0, kept = 0;
   ForEachLatticePoint(corner, PlaneOf(corner[0], normal), spacing_m, [&](const Vec3& p) {
     ++drawn;
-    if (solids.IsInside(p + kOffset_m * normal)) return;
+    if (!IsExposed(p, normal, solids, own_solid)) return;
     ++kept;
     truth.points.push_back(p.cast<float>());
     truth.normals.push_back(normal.cast<float>());
@@ -78,27 +91,43 @@ void SampleTriangle(const Vec3 corner[3], const SolidTest& solids, double spacin
   if (drawn == 0) {
     const Vec3 middle = (corner[0] + corner[1] + corner[2]) / 3.0;
     drawn = 1;
-    kept = solids.IsInside(middle + kOffset_m * normal) ? 0 : 1;
+    kept = IsExposed(middle, normal, solids, own_solid) ? 1 : 0;
   }
   truth.part_area_m2[part] += area * static_cast<double>(kept) / static_cast<double>(drawn);
+}
+
+/// Every piece of every part; the watertight ones are numbered as solids.
+std::vector<Shell> ShellsOf(const SceneSpec& scene) {
+  std::vector<Shell> shells;
+  int solids = 0;
+  for (size_t i = 0; i < scene.parts.size(); ++i) {
+    for (core::TriMesh& mesh : SplitShells(scene.parts[i].mesh)) {
+      Shell shell{std::move(mesh), -1, static_cast<int>(i)};
+      if (IsWatertight(shell.mesh)) shell.solid = solids++;
+      shells.push_back(std::move(shell));
+    }
+  }
+  return shells;
 }
 
 }  // namespace
 
 GroundTruth SampleGroundTruth(const SceneSpec& scene, double spacing_m) {
-  std::vector<const core::TriMesh*> shells;
-  for (const ScenePart& part : scene.parts) {
-    if (IsWatertight(part.mesh)) shells.push_back(&part.mesh);
+  const std::vector<Shell> shells = ShellsOf(scene);
+  std::vector<const core::TriMesh*> watertight;
+  for (const Shell& shell : shells) {
+    if (shell.solid >= 0) watertight.push_back(&shell.mesh);
   }
-  const SolidTest solids(shells);
+  const SolidTest solids(watertight);
   GroundTruth truth;
-  for (const ScenePart& part : scene.parts) {
+  for (const Shell& shell : shells) {
+    const ScenePart& part = scene.parts[static_cast<size_t>(shell.part_index)];
     if (!part.is_object) continue;
     const uint16_t index = PartIndex(truth, part.name);
-    for (const auto& t : part.mesh.triangles) {
+    for (const auto& t : shell.mesh.triangles) {
       Vec3 corner[3];
-      for (int k = 0; k < 3; ++k) corner[k] = part.mesh.vertices[t[k]].cast<double>();
-      SampleTriangle(corner, solids, spacing_m, index, truth);
+      for (int k = 0; k < 3; ++k) corner[k] = shell.mesh.vertices[t[k]].cast<double>();
+      SampleTriangle(corner, solids, shell.solid, spacing_m, index, truth);
     }
   }
   return truth;

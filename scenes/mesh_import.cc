@@ -9,6 +9,8 @@
 #include <tuple>
 
 #include "core/errors.h"
+#include "core/files.h"
+#include "scenes/ply_reader.h"
 
 namespace atlas::scenes {
 namespace {
@@ -37,61 +39,76 @@ class Joiner {
   std::map<std::tuple<float, float, float>, uint32_t> places_;
 };
 
-core::TriMesh Collect(const aiScene& scene, const std::filesystem::path& path, double scale) {
-  core::TriMesh mesh;
-  Joiner joiner(&mesh);
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    const aiMesh& part = *scene.mMeshes[m];
-    for (unsigned i = 0; i < part.mNumVertices; ++i) {
-      const aiVector3D& v = part.mVertices[i];
-      if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) continue;
-      throw core::InputError(
-          fmt::format("{}: vertex {} is not finite ({}, {}, {})", path.string(), i, v.x, v.y, v.z));
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      std::array<uint32_t, 3> t;
-      for (int k = 0; k < 3; ++k) {
-        const aiVector3D& v = part.mVertices[face.mIndices[k]];
-        const core::Vec3 p = scale * core::Vec3(v.x, v.y, v.z);
-        t[k] = joiner.Add(p.cast<float>());
-      }
-      const core::Vec3f a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
-      if ((b - a).cross(c - a).norm() > 0.0f) mesh.triangles.push_back(t);
-    }
-  }
-  return mesh;
-}
-
-}  // namespace
-
-core::TriMesh ImportMesh(const std::filesystem::path& path, double scale) {
-  if (!std::filesystem::exists(path)) throw core::InputError(path.string() + ": no such file");
-  if (!std::filesystem::is_regular_file(path)) throw core::InputError(path.string() + ": not a file");
-  const std::string kind = Lowercase(path.extension().string());
-  if (kind != ".obj" && kind != ".ply" && kind != ".stl") {
-    throw core::InputError(
-        fmt::format("{}: '{}' is not a mesh format read here (.obj, .ply, .stl)", path.string(), kind));
-  }
-  if (std::filesystem::file_size(path) == 0) throw core::InputError(path.string() + ": the file is empty");
+/// Every triangle of an OBJ or STL file, in the file's units. @throws InputError with the reason.
+core::TriMesh ReadByAssimp(const std::filesystem::path& path) {
   Assimp::Importer importer;
   const aiScene* scene =
       importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (scene == nullptr) {
     std::string reason = importer.GetErrorString();
     for (char& c : reason) c = c == '\n' ? ' ' : c;
-    throw core::InputError(fmt::format("{}: unreadable ({})", path.string(), reason));
+    throw core::InputError(fmt::format("unreadable ({})", reason));
   }
-  core::TriMesh mesh = Collect(*scene, path, scale);
-  if (mesh.triangles.empty()) throw core::InputError(path.string() + ": holds no triangles with area");
+  core::TriMesh mesh;
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+    const aiMesh& part = *scene->mMeshes[m];
+    const auto base = static_cast<uint32_t>(mesh.vertices.size());
+    for (unsigned i = 0; i < part.mNumVertices; ++i) {
+      mesh.vertices.emplace_back(part.mVertices[i].x, part.mVertices[i].y, part.mVertices[i].z);
+    }
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      if (face.mNumIndices != 3) continue;
+      mesh.triangles.push_back({base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
+    }
+  }
+  return mesh;
+}
+
+/// Scales, joins equal corners and drops triangles without area.
+core::TriMesh Cleaned(const core::TriMesh& raw, double scale) {
+  core::TriMesh mesh;
+  Joiner joiner(&mesh);
+  for (std::array<uint32_t, 3> t : raw.triangles) {
+    for (uint32_t& i : t) {
+      const core::Vec3f& v = raw.vertices[i];
+      if (!v.allFinite()) {
+        throw core::InputError(fmt::format("vertex {} is not finite ({}, {}, {})", i, v.x(), v.y(), v.z()));
+      }
+      i = joiner.Add((scale * v.cast<double>()).cast<float>());
+    }
+    const core::Vec3f a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+    if ((b - a).cross(c - a).norm() > 0.0f) mesh.triangles.push_back(t);
+  }
+  if (mesh.triangles.empty()) throw core::InputError("holds no triangles with area");
   const double span = mesh.Bounds().Size().maxCoeff();
   if (span > kGreatestSpan_m) {
     throw core::InputError(
-        fmt::format("{}: spans {:.0f} m at scale {} (limit {:.0f} m; millimetres need scale 0.001)",
-                    path.string(), span, scale, kGreatestSpan_m));
+        fmt::format("spans {:.0f} m at scale {} (limit {:.0f} m; millimetres need scale 0.001)", span, scale,
+                    kGreatestSpan_m));
   }
   return mesh;
+}
+
+core::TriMesh ReadMeshFile(const std::filesystem::path& path, double scale) {
+  if (!std::filesystem::exists(path)) throw core::InputError("no such file");
+  if (!std::filesystem::is_regular_file(path)) throw core::InputError("not a file");
+  const std::string kind = Lowercase(path.extension().string());
+  if (kind != ".obj" && kind != ".ply" && kind != ".stl") {
+    throw core::InputError(fmt::format("'{}' is not a mesh format read here (.obj, .ply, .stl)", kind));
+  }
+  if (std::filesystem::file_size(path) == 0) throw core::InputError("the file is empty");
+  return Cleaned(kind == ".ply" ? ParsePly(core::ReadFile(path)) : ReadByAssimp(path), scale);
+}
+
+}  // namespace
+
+core::TriMesh ImportMesh(const std::filesystem::path& path, double scale) {
+  try {
+    return ReadMeshFile(path, scale);
+  } catch (const core::InputError& error) {
+    throw core::InputError(fmt::format("{}: {}", path.string(), error.what()));
+  }
 }
 
 }  // namespace atlas::scenes

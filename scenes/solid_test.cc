@@ -16,21 +16,26 @@ bool CrossesEdge(const Vec3* a, const Vec3* b, double x, double y) {
   return x < a->x() + (y - a->y()) * (b->x() - a->x()) / (b->y() - a->y());
 }
 
+/// For each vertex, the first one at its place.
+std::vector<uint32_t> JoinedVertices(const core::TriMesh& mesh) {
+  std::map<std::tuple<float, float, float>, uint32_t> places;
+  std::vector<uint32_t> joined;
+  for (uint32_t i = 0; i < mesh.vertices.size(); ++i) {
+    const core::Vec3f& v = mesh.vertices[i];
+    joined.push_back(places.emplace(std::tuple{v.x(), v.y(), v.z()}, i).first->second);
+  }
+  return joined;
+}
+
 }  // namespace
 
 bool IsWatertight(const core::TriMesh& mesh) {
   if (mesh.triangles.empty()) return false;
-  using Key = std::tuple<float, float, float>;
-  std::map<Key, uint32_t> places;
-  std::vector<uint32_t> place_of;
-  for (const core::Vec3f& v : mesh.vertices) {
-    place_of.push_back(
-        places.emplace(Key{v.x(), v.y(), v.z()}, static_cast<uint32_t>(places.size())).first->second);
-  }
+  const std::vector<uint32_t> joined = JoinedVertices(mesh);
   std::map<std::pair<uint32_t, uint32_t>, int> balance;
   for (const auto& t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) {
-      const uint32_t a = place_of[t[k]], b = place_of[t[(k + 1) % 3]];
+      const uint32_t a = joined[t[k]], b = joined[t[(k + 1) % 3]];
       if (a == b) continue;
       balance[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
     }
@@ -41,11 +46,41 @@ bool IsWatertight(const core::TriMesh& mesh) {
   return true;
 }
 
+std::vector<core::TriMesh> SplitShells(const core::TriMesh& mesh) {
+  std::vector<uint32_t> root = JoinedVertices(mesh);
+  const auto find = [&](uint32_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (const auto& t : mesh.triangles) {
+    for (int k = 1; k < 3; ++k) root[find(t[0])] = find(t[k]);
+  }
+  std::vector<core::TriMesh> shells;
+  std::map<uint32_t, size_t> shell_of_root;
+  constexpr uint32_t kUnused = ~0u;
+  std::vector<uint32_t> place(mesh.vertices.size(), kUnused);
+  for (std::array<uint32_t, 3> t : mesh.triangles) {
+    const auto [it, added] = shell_of_root.emplace(find(t[0]), shells.size());
+    if (added) shells.emplace_back();
+    core::TriMesh& shell = shells[it->second];
+    for (uint32_t& i : t) {
+      if (place[i] == kUnused) {
+        place[i] = static_cast<uint32_t>(shell.vertices.size());
+        shell.vertices.push_back(mesh.vertices[i]);
+      }
+      i = place[i];
+    }
+    shell.triangles.push_back(t);
+  }
+  return shells;
+}
+
 SolidTest::SolidTest(const std::vector<const core::TriMesh*>& shells) {
-  for (const core::TriMesh* shell : shells) {
-    for (const auto& t : shell->triangles) {
+  for (size_t index = 0; index < shells.size(); ++index) {
+    for (const auto& t : shells[index]->triangles) {
       Triangle triangle;
-      for (int k = 0; k < 3; ++k) triangle.corner[k] = shell->vertices[t[k]].cast<double>();
+      triangle.shell = static_cast<int>(index);
+      for (int k = 0; k < 3; ++k) triangle.corner[k] = shells[index]->vertices[t[k]].cast<double>();
       const Vec3 *c = triangle.corner, u = c[1] - c[0], v = c[2] - c[0];
       const double doubled_area_xy = u.x() * v.y() - u.y() * v.x();
       if (doubled_area_xy == 0.0) continue;
@@ -83,11 +118,11 @@ int SolidTest::CellOf(double value, double min, int count) const {
   return std::clamp(static_cast<int>((value - min) / cell_size_m_), 0, count - 1);
 }
 
-bool SolidTest::IsInside(const Vec3& p) const {
-  if (triangles_.empty() || !bounds_.Contains(p)) return false;
+template <typename Visit>
+void SolidTest::ForEachCrossing(const Vec3& p, const Visit& visit) const {
+  if (triangles_.empty() || !bounds_.Contains(p)) return;
   const size_t cell = static_cast<size_t>(CellOf(p.y(), bounds_.min.y(), rows_)) * columns_ +
                       CellOf(p.x(), bounds_.min.x(), columns_);
-  int winding = 0;
   for (uint32_t i = cell_start_[cell]; i < cell_start_[cell + 1]; ++i) {
     const Triangle& t = triangles_[cell_triangles_[i]];
     if (t.z_max <= p.z()) continue;
@@ -95,11 +130,24 @@ bool SolidTest::IsInside(const Vec3& p) const {
     for (int k = 0; k < 3; ++k) crossed ^= CrossesEdge(&t.corner[k], &t.corner[(k + 1) % 3], p.x(), p.y());
     if (!crossed) continue;
     const Vec3 n = (t.corner[1] - t.corner[0]).cross(t.corner[2] - t.corner[0]);
-    const double z =
-        t.corner[0].z() - (n.x() * (p.x() - t.corner[0].x()) + n.y() * (p.y() - t.corner[0].y())) / n.z();
-    if (z > p.z()) winding += t.sign;
+    const Vec3 from = p - t.corner[0];
+    if (t.corner[0].z() - (n.x() * from.x() + n.y() * from.y()) / n.z() > p.z()) visit(t);
   }
-  return winding != 0;
+}
+
+int SolidTest::Winding(const Vec3& p) const {
+  int winding = 0;
+  ForEachCrossing(p, [&](const Triangle& t) { winding += t.sign; });
+  return winding;
+}
+
+int SolidTest::FirstShellAround(const Vec3& p) const {
+  std::map<int, int> winding;
+  ForEachCrossing(p, [&](const Triangle& t) { winding[t.shell] += t.sign; });
+  for (const auto& [shell, count] : winding) {
+    if (count != 0) return shell;
+  }
+  return -1;
 }
 
 }  // namespace atlas::scenes

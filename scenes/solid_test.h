@@ -12,6 +12,9 @@ namespace atlas::scenes {
 /// shells read from files without shared indices qualify too.
 bool IsWatertight(const core::TriMesh& mesh);
 
+/// The mesh's connected pieces (corners at equal places are joined), in the order of their first triangles.
+std::vector<core::TriMesh> SplitShells(const core::TriMesh& mesh);
+
 /// Answers "is p inside any of these shells" for millions of points.
 ///
 /// Casts a ray straight up and adds +1 for each surface it leaves by and -1 for each it enters by; the sum is
@@ -22,14 +25,23 @@ class SolidTest {
   /// @pre every mesh is watertight.
   explicit SolidTest(const std::vector<const core::TriMesh*>& shells);
 
-  bool IsInside(const core::Vec3& p_map) const;
+  bool IsInside(const core::Vec3& p_map) const { return Winding(p_map) != 0; }
+  /// How many shells hold the point, where every shell is simple and faces outward.
+  int Winding(const core::Vec3& p_map) const;
+  /// Index of the first shell that holds the point, or -1.
+  int FirstShellAround(const core::Vec3& p_map) const;
 
  private:
   struct Triangle {
     core::Vec3 corner[3];
     double z_max;
-    int sign;  ///< +1 facing up, -1 facing down
+    int sign;   ///< +1 facing up, -1 facing down
+    int shell;  ///< index into the constructor's list
   };
+
+  /// Calls `visit(triangle)` for each that the ray from p straight up crosses.
+  template <typename Visit>
+  void ForEachCrossing(const core::Vec3& p, const Visit& visit) const;
 
   int CellOf(double value, double min, int count) const;
 

@@ -44,8 +44,9 @@ void YamlFields::AllowOnly(const std::vector<std::string>& keys) const {
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    throw core::InputError(fmt::format("{}:{}: {}", file_.string(), entry.first.Mark().line + 1,
-                                       core::UnknownName("key", path_ + key, keys)));
+    const std::string within = path_.empty() ? "" : path_.substr(0, path_.size() - 1) + ": ";
+    throw core::InputError(fmt::format("{}:{}: {}{}", file_.string(), entry.first.Mark().line + 1, within,
+                                       core::UnknownName("key", key, keys)));
   }
 }
 

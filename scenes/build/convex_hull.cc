@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <numeric>
 #include <optional>
 
 namespace atlas::scenes {
@@ -11,9 +12,10 @@ namespace {
 using core::Vec3;
 using Face = std::array<uint32_t, 3>;
 
-/// Points farthest in directions of a Fibonacci sphere, and along the axes.
-std::vector<Vec3> ExtremePoints(const std::vector<core::Vec3f>& points) {
-  constexpr int kDirections = 256;
+constexpr int kDirections = 256;
+
+/// The points farthest in directions of a Fibonacci sphere and along the axes, by ascending index.
+std::vector<uint32_t> ExtremePoints(const std::vector<core::Vec3f>& points) {
   std::vector<Vec3> directions;
   for (int axis = 0; axis < 3; ++axis) {
     for (double sign : {-1.0, 1.0}) directions.push_back(sign * Vec3::Unit(axis));
@@ -33,13 +35,21 @@ std::vector<Vec3> ExtremePoints(const std::vector<core::Vec3f>& points) {
   }
   std::sort(chosen.begin(), chosen.end());
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  std::vector<Vec3> extreme;
+  return chosen;
+}
+
+/// What the hull is taken of: every point while they are few, else the extreme ones; none twice.
+std::vector<Vec3> HullCandidates(const std::vector<core::Vec3f>& points) {
+  std::vector<uint32_t> chosen(points.size());
+  std::iota(chosen.begin(), chosen.end(), 0u);
+  if (points.size() > kDirections) chosen = ExtremePoints(points);
+  std::vector<Vec3> candidates;
   for (uint32_t i : chosen) {
     const Vec3 p = points[i].cast<double>();
     const auto same = [&](const Vec3& q) { return (p - q).norm() < 1e-6; };
-    if (std::none_of(extreme.begin(), extreme.end(), same)) extreme.push_back(p);
+    if (std::none_of(candidates.begin(), candidates.end(), same)) candidates.push_back(p);
   }
-  return extreme;
+  return candidates;
 }
 
 double Height(const std::vector<Vec3>& p, const Face& f, const Vec3& q) {
@@ -87,7 +97,7 @@ void AddPoint(const std::vector<Vec3>& p, uint32_t k, double tolerance, std::vec
 core::TriMesh ConvexHull(const std::vector<core::Vec3f>& points) {
   core::TriMesh hull;
   if (points.size() < 4) return hull;
-  std::vector<Vec3> p = ExtremePoints(points);
+  std::vector<Vec3> p = HullCandidates(points);
   core::Box3 box;
   for (const Vec3& q : p) box.Extend(q);
   const double tolerance = 1e-6 * std::max(box.Size().norm(), 1e-3);
