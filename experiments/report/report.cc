@@ -1,0 +1,87 @@
+#include "experiments/report/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ostream>
+
+#include "core/errors.h"
+#include "core/files.h"
+
+namespace atlas::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+/// Folders with a summary.json at or below `root`, sorted with numbers in numeric order (seed 2 before 10).
+std::vector<fs::path> RunFoldersBelow(const fs::path& root) {
+  std::error_code error;
+  if (!fs::is_directory(root, error)) throw core::InputError(root.string() + ": no such folder");
+  std::vector<fs::path> folders;
+  if (fs::exists(root / "summary.json", error)) folders.push_back(root);
+  for (auto entry =
+           fs::recursive_directory_iterator(root, fs::directory_options::skip_permission_denied, error);
+       entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    if (entry->is_directory(error) && fs::exists(entry->path() / "summary.json", error))
+      folders.push_back(entry->path());
+  }
+  std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
+    if (a.parent_path() != b.parent_path()) return a.parent_path() < b.parent_path();
+    const std::string x = a.filename().string(), y = b.filename().string();
+    const auto digits = [](const std::string& s) {
+      return s.find_first_not_of("0123456789") == std::string::npos;
+    };
+    return digits(x) && digits(y) && x.size() != y.size() ? x.size() < y.size() : x < y;
+  });
+  return folders;
+}
+
+void WriteTables(const std::vector<ReportedRun>& runs, const fs::path& out) {
+  std::vector<RunSummary> summaries;
+  for (const ReportedRun& run : runs) summaries.push_back(run.summary);
+  const std::vector<RunGroup> groups = GroupRuns(summaries);
+  const TextTable table = GroupTable(groups, true);
+  core::WriteFileAtomically(out / "table.md", ToMarkdown(table));
+  core::WriteFileAtomically(out / "table.csv", ToCsv(table));
+  core::WriteFileAtomically(out / "table.tex", ToLatex(table));
+  core::WriteFileAtomically(out / "runs.csv", ToCsv(RunsTable(summaries)));
+  core::WriteFileAtomically(out / "statistics.csv", ToCsv(StatisticsTable(groups)));
+}
+
+}  // namespace
+
+int RunReport(const std::vector<fs::path>& folders, const fs::path& out, std::ostream& log) {
+  if (folders.empty()) throw core::InputError("report: name at least one run folder");
+  std::vector<ReportedRun> runs;
+  std::vector<std::string> skipped;
+  for (const fs::path& root : folders) {
+    for (const fs::path& folder : RunFoldersBelow(root)) {
+      try {
+        runs.push_back({folder, LoadRunSummary(folder), LoadCoverageCurve(folder)});
+      } catch (const core::InputError& error) {
+        skipped.push_back(error.what());
+        log << "left out: " << error.what() << "\n";
+      }
+    }
+  }
+  if (runs.empty()) {
+    throw core::InputError(fmt::format("{}: no run folder with a readable summary.json there or below",
+                                       folders.front().string()));
+  }
+  const fs::path target = out.empty() ? folders.front() : out;
+  WriteTables(runs, target);
+  std::vector<std::string> drawn;
+  std::vector<RunSummary> summaries;
+  for (const ReportedRun& run : runs) {
+    summaries.push_back(run.summary);
+    const std::string& experiment = run.summary.experiment;
+    if (std::count(drawn.begin(), drawn.end(), experiment) > 0) continue;
+    drawn.push_back(experiment);
+    core::WriteFileAtomically(target / ("coverage_" + experiment + ".svg"),
+                              CoverageByScanPlot(experiment, runs));
+  }
+  core::WriteFileAtomically(target / "report.html", HtmlPage(runs, skipped));
+  log << CoverageTable(summaries) << "\nreport: " << (target / "report.html").string() << "\n";
+  return 0;
+}
+
+}  // namespace atlas::experiments

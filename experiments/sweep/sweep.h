@@ -1,0 +1,59 @@
+// Many runs, one process each: resumable, with an estimate first, a live line, and the table at the end.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/metrics/run_summary.h"
+#include "experiments/sweep/sweep_spec.h"
+
+namespace atlas::experiments {
+
+struct SweepOptions {
+  int jobs = 0;                                         ///< runs at a time; 0: as many as cores
+  int threads = 1;                                      ///< of each run
+  std::filesystem::path out;                            ///< empty: runs/sweep_<name>
+  bool slurm = false;                                   ///< write a Slurm array instead of running here
+  std::filesystem::path executable = "/proc/self/exe";  ///< what is called as `EXECUTABLE run EXPERIMENT ...`
+  bool terminal = false;                                ///< the stream rewrites its last line
+  /// Polled ten times a second; true ends the sweep with its folder resumable.
+  std::function<bool()> should_stop = [] { return false; };
+  /// Called for each distinct experiment and settings before anything starts. @throws InputError when they
+  /// are bad.
+  std::function<void(const std::string& experiment, const std::vector<std::string>& assignments)> validate;
+};
+
+/// Runs what is not final yet and prints to `out`. Returns 0 when every run is completed or ended on its
+/// budget, 1 when some fell, stuck or failed (each is named), 130 when stopped. @throws InputError for bad
+/// input, an unwritable folder or a folder in which another sweep runs.
+int RunSweep(const SweepSpec& spec, const SweepOptions& options, std::ostream& out);
+
+/// The command of one run.
+std::vector<std::string> CommandOf(const SweepRun& run, const SweepOptions& options);
+
+/// Summary of a run that need not be run again: its status is final and it was started with these settings.
+std::optional<RunSummary> FinishedRun(const SweepRun& run);
+
+/// Expected wall time of a run: mean of finished runs of its experiment and settings, else of its experiment,
+/// else the sweep's estimate.
+class RunTimeEstimate {
+ public:
+  RunTimeEstimate(const SweepSpec& spec, const std::vector<SweepRun>& runs);
+  double SecondsFor(const SweepRun& run) const;
+  bool measured() const { return !walls_.empty(); }
+
+ private:
+  struct Wall {
+    std::string experiment;
+    std::filesystem::path group;
+    double seconds;
+  };
+  double default_s_;
+  std::vector<Wall> walls_;
+};
+
+}  // namespace atlas::experiments

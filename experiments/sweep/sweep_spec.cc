@@ -1,0 +1,195 @@
+#include "experiments/sweep/sweep_spec.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/errors.h"
+#include "core/files.h"
+
+namespace atlas::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using core::InputError;
+
+constexpr const char* kSweepFolder = "experiments/configs/sweeps";
+constexpr size_t kMostRuns = 100000;
+
+/// The YAML of one file; every complaint names file, line and field.
+class SweepFile {
+ public:
+  explicit SweepFile(const fs::path& path) : path_(path.string()) {
+    try {
+      root_ = YAML::Load(core::ReadFile(path));
+    } catch (const YAML::Exception& error) {
+      throw InputError(fmt::format("{}:{}: {}", path_, error.mark.line + 1, error.msg));
+    }
+    if (!root_.IsMap()) throw InputError(path_ + ": expected keys such as 'experiments' and 'seeds'");
+    const std::vector<std::string> known = {"doc", "experiments", "grid", "seeds", "set", "estimate_s"};
+    for (const auto& entry : root_) {
+      const std::string key = entry.first.as<std::string>();
+      if (std::count(known.begin(), known.end(), key) == 0)
+        Fail(entry.first, core::UnknownName("key", key, known));
+    }
+  }
+
+  YAML::Node At(const char* key) const { return root_[key]; }
+  bool Has(const char* key) const { return static_cast<bool>(root_[key]); }
+
+  std::string Text(const YAML::Node& node, const std::string& field) const {
+    if (!node.IsScalar() || node.Scalar().empty()) Fail(node, field + ": expected text");
+    return node.Scalar();
+  }
+  std::vector<std::string> TextList(const YAML::Node& node, const std::string& field) const {
+    std::vector<std::string> list;
+    if (node.IsScalar()) {
+      list.push_back(Text(node, field));
+    } else if (node.IsSequence()) {
+      for (const auto& item : node) list.push_back(Text(item, field));
+    } else {
+      Fail(node, field + ": expected a list");
+    }
+    if (list.empty()) Fail(node, field + ": the list is empty");
+    if (std::set<std::string>(list.begin(), list.end()).size() != list.size())
+      Fail(node, field + ": a value stands twice");
+    return list;
+  }
+  template <typename T>
+  T Number(const YAML::Node& node, const std::string& field, T min, T max) const {
+    T value{};
+    if (!node.IsScalar() || !YAML::convert<T>::decode(node, value) || !(value >= min && value <= max)) {
+      const std::string found = node.IsScalar() ? node.Scalar() : "something else";
+      Fail(node, fmt::format("{}: expected a number from {} to {}, found '{}'", field, min, max, found));
+    }
+    return value;
+  }
+  [[noreturn]] void Fail(const YAML::Node& node, const std::string& what) const {
+    throw InputError(fmt::format("{}:{}: {}", path_, node.Mark().line + 1, what));
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  YAML::Node root_;
+};
+
+std::vector<uint64_t> ReadSeeds(const SweepFile& file) {
+  constexpr uint64_t kMostSeeds = 10000;
+  const YAML::Node node = file.At("seeds");
+  std::vector<uint64_t> seeds;
+  if (node.IsSequence()) {
+    for (const auto& item : node) seeds.push_back(file.Number<uint64_t>(item, "seeds", 0, UINT64_MAX));
+    if (seeds.empty()) file.Fail(node, "seeds: the list is empty");
+    if (std::set<uint64_t>(seeds.begin(), seeds.end()).size() != seeds.size())
+      file.Fail(node, "seeds: a seed stands twice");
+    return seeds;
+  }
+  const uint64_t count = file.Number<uint64_t>(node, "seeds", 1, kMostSeeds);
+  for (uint64_t seed = 1; seed <= count; ++seed) seeds.push_back(seed);
+  return seeds;
+}
+
+void CheckAssignment(const SweepFile& file, const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    file.Fail(file.At("set"), fmt::format("set: expected a.b=value, found '{}'", text));
+  }
+}
+
+fs::path FileOf(const std::string& name_or_path) {
+  const bool is_path = name_or_path.ends_with(".yaml") || name_or_path.ends_with(".yml") ||
+                       name_or_path.find('/') != std::string::npos;
+  if (is_path) return name_or_path;
+  const std::vector<std::string> names = SweepNames();
+  if (std::count(names.begin(), names.end(), name_or_path) == 0) {
+    throw InputError(core::UnknownName("sweep", name_or_path, names));
+  }
+  return core::InstalledFile(fs::path(kSweepFolder) / (name_or_path + ".yaml"));
+}
+
+/// A value as part of a folder's name: anything but letters, digits, '.', '-' and '_' becomes '-'.
+std::string FolderWord(const std::string& value) {
+  std::string word = fs::path(value).has_extension() && value.find('/') != std::string::npos
+                         ? fs::path(value).stem().string()
+                         : value;
+  for (char& c : word) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '-';
+  }
+  return word;
+}
+
+}  // namespace
+
+std::vector<std::string> SweepNames() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(core::InstalledFile(kSweepFolder))) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+SweepSpec LoadSweep(const std::string& name_or_path) {
+  const fs::path path = FileOf(name_or_path);
+  const SweepFile file(path);
+  SweepSpec spec;
+  spec.name = path.stem().string();
+  for (const char* key : {"experiments", "seeds"}) {
+    if (!file.Has(key)) throw InputError(fmt::format("{}: '{}' is missing", file.path(), key));
+  }
+  if (file.Has("doc")) spec.doc = file.Text(file.At("doc"), "doc");
+  spec.experiments = file.TextList(file.At("experiments"), "experiments");
+  spec.seeds = ReadSeeds(file);
+  if (file.Has("set")) spec.set = file.TextList(file.At("set"), "set");
+  for (const std::string& assignment : spec.set) CheckAssignment(file, assignment);
+  if (file.Has("estimate_s"))
+    spec.estimate_s = file.Number<double>(file.At("estimate_s"), "estimate_s", 0.1, 1e6);
+  if (file.Has("grid")) {
+    if (!file.At("grid").IsMap()) file.Fail(file.At("grid"), "grid: expected parameter: [values]");
+    for (const auto& entry : file.At("grid")) {
+      const std::string key = file.Text(entry.first, "grid");
+      spec.grid.emplace_back(key, file.TextList(entry.second, "grid." + key));
+    }
+  }
+  return spec;
+}
+
+std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const fs::path& out) {
+  size_t combinations = 1;
+  for (const auto& [key, values] : spec.grid) combinations *= values.size();
+  if (combinations * spec.experiments.size() * spec.seeds.size() > kMostRuns) {
+    throw InputError(fmt::format("sweep {}: more than {} runs", spec.name, kMostRuns));
+  }
+  std::vector<SweepRun> runs;
+  std::set<fs::path> folders;
+  for (const std::string& experiment : spec.experiments) {
+    for (size_t combination = 0; combination < combinations; ++combination) {
+      SweepRun run{.experiment = experiment, .assignments = spec.set, .seed = 0, .variant = "", .folder = {}};
+      std::string folder = FolderWord(experiment);
+      size_t block = combinations;
+      for (const auto& [key, values] : spec.grid) {
+        block /= values.size();
+        const std::string& value = values[combination / block % values.size()];
+        run.assignments.push_back(key + "=" + value);
+        folder += "_" + FolderWord(value);
+        if (key != "planner.gain" && key != "planner.name" && key != "planner") {
+          run.variant += (run.variant.empty() ? "" : " ") + key + "=" + value;
+        }
+      }
+      for (const uint64_t seed : spec.seeds) {
+        run.seed = seed;
+        run.folder = out / folder / std::to_string(seed);
+        if (!folders.insert(run.folder).second) {
+          throw InputError(fmt::format("sweep {}: two runs would share {}", spec.name, run.folder.string()));
+        }
+        runs.push_back(run);
+      }
+    }
+  }
+  return runs;
+}
+
+}  // namespace atlas::experiments

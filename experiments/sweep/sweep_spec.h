@@ -1,0 +1,48 @@
+// A sweep: experiments x a grid of settings x seeds, read from YAML and expanded to runs.
+//
+//   doc: Table 3.1 of the thesis
+//   experiments: [helicopter, car]
+//   grid:                          # every combination, in this order
+//     planner.gain: [occlusion_aware, rear_side_entropy]
+//     planner.name: [thesis, greedy]
+//   seeds: 3                       # 1, 2, 3; or a list
+//   set: [mission.max_scans=30]    # for all runs
+//   estimate_s: 120                # wall time of a run, until an earlier one tells
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace atlas::experiments {
+
+struct SweepSpec {
+  std::string name;  ///< the file's stem
+  std::string doc;
+  std::vector<std::string> experiments;
+  std::vector<std::pair<std::string, std::vector<std::string>>> grid;  ///< parameter path, values
+  std::vector<uint64_t> seeds;
+  std::vector<std::string> set;
+  double estimate_s = 120.0;
+};
+
+/// A sweep of experiments/configs/sweeps by name, or a user's file. @throws InputError for an unknown name
+/// (suggesting the near one), malformed YAML, an unknown key, a wrong type or an empty list: file, line,
+/// field, value, limit.
+SweepSpec LoadSweep(const std::string& name_or_path);
+/// Names of the sweeps that come with the installation, sorted.
+std::vector<std::string> SweepNames();
+
+struct SweepRun {
+  std::string experiment;
+  std::vector<std::string> assignments;  ///< "a.b=value", as for --set
+  uint64_t seed = 0;
+  std::string variant;           ///< settings besides planner.gain and planner.name, for tables
+  std::filesystem::path folder;  ///< OUT/<experiment>_<value>_<value>/<seed>
+};
+/// Seeds vary fastest, then the grid's last key. @throws InputError when two runs would share a folder.
+std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const std::filesystem::path& out);
+
+}  // namespace atlas::experiments
