@@ -40,7 +40,8 @@ sim::RenderCamera FollowCamera::Advance(const core::Vec3& p_base_map, double dt_
   if (!started_) bearing_rad_ = wanted_bearing;
   bearing_rad_ += core::WrapAngle(wanted_bearing - bearing_rad_) * (1.0 - std::exp(-dt_s / kTurnTimeS));
 
-  const core::Vec3 focus = head - 0.35 * outside * (core::Vec3() << to_robot.head<2>(), 0.0).finished();
+  const core::Vec3 focus =
+      head + outside * core::Vec3(-0.35 * to_robot.x(), -0.35 * to_robot.y(), 0.06 * separation);
   const double distance =
       std::clamp(kMinDistanceM + 0.55 * outside * separation, kMinDistanceM, kMaxDistanceM);
   const core::Vec3 back(std::cos(bearing_rad_) * std::cos(kElevationRad),

@@ -14,7 +14,8 @@ constexpr double kPathRadiusM = 0.025, kTrailRadiusM = 0.018;
 constexpr double kTrailSpacingM = 0.08;
 constexpr double kPathSpacingM = 0.1;
 constexpr double kAboveGroundM = 0.06;  ///< lines lie this high
-constexpr double kStepUpM = 0.8;        ///< the ground is looked for from this far above the last point
+constexpr double kTrailAboveGroundM = 0.1;
+constexpr double kStepUpM = 0.8;  ///< the ground is looked for from this far above the last point
 constexpr double kShadowRadiusM = 14.0;
 
 std::unique_ptr<sim::SceneRenderer> MakeRenderer() {
@@ -117,7 +118,7 @@ void RunVideo::Impl::ExtendTrail(size_t state_index) {
   const size_t before = trail_points.size();
   for (; trail_states <= state_index; ++trail_states) {
     core::Vec3 p = BaseOf(recording.states[trail_states]);
-    p.z() += kAboveGroundM - robot.stance_height_m;
+    p.z() += kTrailAboveGroundM - robot.stance_height_m;
     if (trail_points.empty() || (p - trail_points.back()).head<2>().norm() > kTrailSpacingM) {
       trail_points.push_back(p);
     }

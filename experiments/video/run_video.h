@@ -23,7 +23,8 @@ struct VideoParams {
 /// Renders a recording frame by frame.
 class RunVideo {
  public:
-  /// @throws InputError where no renderer is to be had, or the recording has no states of this robot.
+  /// The recording outlives the video. @throws InputError where no renderer is to be had, or the recording
+  /// has no states of this robot.
   RunVideo(const scenes::SceneSpec& scene, const robots::RobotSpec& robot, const RunRecording& recording,
            const VideoParams& params);
   ~RunVideo();
