@@ -29,8 +29,7 @@ struct TerrainParams {
   double negative_obstacle_m = 0.25;  ///< a drop deeper than this is an edge
   double edge_clearance_m = 0.10;     ///< of the footprint's rim from an edge or a hole
   double min_traversability = 0.25;
-  double initial_ground_radius_m =
-      0.9;  ///< assumed solid around the robot at the start, until seen otherwise
+  double initial_ground_radius_m = 0.86;  ///< assumed solid about the robot at the start, until seen
   void Visit(core::ParamVisitor& v);
 };
 

@@ -12,6 +12,7 @@ constexpr int kManyCrossings = 30;  ///< in 5 x 5 cells: bars that stop one ray 
 constexpr int kRaysPerReturn =
     10;  ///< of the rays that meet a cell of a grating, at most, for one that its bars stop
 constexpr float kSmoothGate_m = 0.04f;  ///< neighbours less apart are averaged; a kerb keeps its edge
+constexpr int kRelaxations = 2;         ///< of interpolated heights; most gaps are a cell or two wide
 constexpr int kSpeckleCells = 8;        ///< of 5 x 5, at least, for ground amid crossings to count
 
 /// Calls visit(j) for the valid 8-neighbours j of cell i; the outermost ring has none.
@@ -143,7 +144,7 @@ void Interpolate(const std::vector<size_t>& gaps, int side, int rounds, Support*
     }
     waiting.swap(later);
   }
-  for (int pass = 0; pass < 6; ++pass) {
+  for (int pass = 0; pass < kRelaxations; ++pass) {
     for (const size_t i : filled) {
       float sum = 0.0f;
       int n = 0;
@@ -167,7 +168,8 @@ Support FindSupport(double cell_m, double max_fill_m, const GroundImage& ground)
   support.filled.assign(support.solid.size(), 0);
 
   Mask closed(support.solid);
-  for (size_t i = 0; i < closed.size(); ++i) closed[i] |= ground.blocked[i];
+  std::transform(closed.begin(), closed.end(), ground.blocked.begin(), closed.begin(),
+                 [](uint8_t a, uint8_t b) { return static_cast<uint8_t>(a | b); });
   // Between centres a gap is a cell wider than between edges.
   const double radius = 0.5 * max_fill_m / cell_m + 0.5, seen_radius = 0.25 * max_fill_m / cell_m + 0.25;
   const std::vector<int16_t> d2 =

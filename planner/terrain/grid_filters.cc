@@ -1,6 +1,7 @@
 #include "planner/terrain/grid_filters.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -66,8 +67,10 @@ std::vector<float> Slide(const std::vector<float>& in, int rows, int cols, int r
 }
 
 /// Sums over a window, with offsets (x along the row, y along the column) from its centre in blocks.
-enum Moment { kN, kX, kY, kXX, kXY, kYY, kZ, kXZ, kYZ, kZZ, kMoments };
-using MomentRows = std::vector<float>[kMoments];
+enum Moment : size_t { kN, kX, kY, kXX, kXY, kYY, kZ, kXZ, kYZ, kZZ, kMoments };
+/// The same along one row of blocks only.
+enum RowSum : size_t { kRowN, kRowX, kRowXX, kRowZ, kRowXZ, kRowZZ, kRowSums };
+using RowImages = std::array<std::vector<float>, kRowSums>;
 
 /// Blocks' count, sum and sum of squares of the valid heights, relative to `datum`.
 struct BlockSums {
@@ -95,6 +98,46 @@ BlockSums SumBlocks(const std::vector<float>& height, const Mask& valid, int row
 void AddShifted(const float* from, float weight, int shift, int cols, float* out) {
   const int begin = std::max(0, -shift), end = std::min(cols, cols - shift);
   for (int c = begin; c < end; ++c) out[c] += weight * from[c + shift];
+}
+
+RowImages SumAlongRows(const BlockSums& sums, int rows, int cols, int radius) {
+  RowImages across;
+  for (auto& image : across) image.assign(sums.n.size(), 0.0f);
+  for (int r = 0; r < rows; ++r) {
+    const size_t at = At(r, 0, cols);
+    for (int dx = -radius; dx <= radius; ++dx) {
+      const float x = static_cast<float>(dx);
+      AddShifted(&sums.n[at], 1.0f, dx, cols, &across[kRowN][at]);
+      AddShifted(&sums.n[at], x, dx, cols, &across[kRowX][at]);
+      AddShifted(&sums.n[at], x * x, dx, cols, &across[kRowXX][at]);
+      AddShifted(&sums.z[at], 1.0f, dx, cols, &across[kRowZ][at]);
+      AddShifted(&sums.z[at], x, dx, cols, &across[kRowXZ][at]);
+      AddShifted(&sums.zz[at], 1.0f, dx, cols, &across[kRowZZ][at]);
+    }
+  }
+  return across;
+}
+
+void SumDownColumns(const RowImages& across, int row, int rows, int cols, int radius,
+                    std::array<std::vector<float>, kMoments>* down) {
+  for (auto& line : *down) line.assign(static_cast<size_t>(cols), 0.0f);
+  for (int dy = std::max(-radius, -row); dy <= std::min(radius, rows - 1 - row); ++dy) {
+    const size_t at = At(row + dy, 0, cols);
+    const float y = static_cast<float>(dy);
+    const auto add = [&](RowSum image, float weight, Moment moment) {
+      AddShifted(&across[image][at], weight, 0, cols, (*down)[moment].data());
+    };
+    add(kRowN, 1.0f, kN);
+    add(kRowX, 1.0f, kX);
+    add(kRowN, y, kY);
+    add(kRowXX, 1.0f, kXX);
+    add(kRowX, y, kXY);
+    add(kRowN, y * y, kYY);
+    add(kRowZ, 1.0f, kZ);
+    add(kRowXZ, 1.0f, kXZ);
+    add(kRowZ, y, kYZ);
+    add(kRowZZ, 1.0f, kZZ);
+  }
 }
 
 void SolvePlane(const float* const m[kMoments], size_t c, double block_m, float datum, PlaneFits* fits,
@@ -172,47 +215,12 @@ PlaneFits FitPlanes(const std::vector<float>& height_m, const Mask& valid, int r
   }
   const BlockSums sums = SumBlocks(height_m, valid, rows, cols, fits.rows, fits.cols, datum);
 
-  // Along rows: n, n x, n xx, z, z x, zz. Then down columns, with y.
-  enum { kRowN, kRowX, kRowXX, kRowZ, kRowXZ, kRowZZ, kRowSums };
-  std::vector<float> across[kRowSums];
-  for (auto& image : across) image.assign(count, 0.0f);
-  for (int r = 0; r < fits.rows; ++r) {
-    const size_t at = At(r, 0, fits.cols);
-    for (int dx = -radius_blocks; dx <= radius_blocks; ++dx) {
-      const float x = static_cast<float>(dx);
-      AddShifted(&sums.n[at], 1.0f, dx, fits.cols, &across[kRowN][at]);
-      AddShifted(&sums.n[at], x, dx, fits.cols, &across[kRowX][at]);
-      AddShifted(&sums.n[at], x * x, dx, fits.cols, &across[kRowXX][at]);
-      AddShifted(&sums.z[at], 1.0f, dx, fits.cols, &across[kRowZ][at]);
-      AddShifted(&sums.z[at], x, dx, fits.cols, &across[kRowXZ][at]);
-      AddShifted(&sums.zz[at], 1.0f, dx, fits.cols, &across[kRowZZ][at]);
-    }
-  }
-  std::vector<float> down[kMoments];
+  const RowImages across = SumAlongRows(sums, fits.rows, fits.cols, radius_blocks);
+  std::array<std::vector<float>, kMoments> down;
   const float* moments[kMoments];
   for (int r = 0; r < fits.rows; ++r) {
-    for (int k = 0; k < kMoments; ++k) {
-      down[k].assign(width, 0.0f);
-      moments[k] = down[k].data();
-    }
-    const auto add = [&](int image, float weight, size_t at, int moment) {
-      AddShifted(&across[image][at], weight, 0, fits.cols, down[moment].data());
-    };
-    for (int dy = -radius_blocks; dy <= radius_blocks; ++dy) {
-      if (r + dy < 0 || r + dy >= fits.rows) continue;
-      const size_t at = At(r + dy, 0, fits.cols);
-      const float y = static_cast<float>(dy);
-      add(kRowN, 1.0f, at, kN);
-      add(kRowX, 1.0f, at, kX);
-      add(kRowN, y, at, kY);
-      add(kRowXX, 1.0f, at, kXX);
-      add(kRowX, y, at, kXY);
-      add(kRowN, y * y, at, kYY);
-      add(kRowZ, 1.0f, at, kZ);
-      add(kRowXZ, 1.0f, at, kXZ);
-      add(kRowZ, y, at, kYZ);
-      add(kRowZZ, 1.0f, at, kZZ);
-    }
+    SumDownColumns(across, r, fits.rows, fits.cols, radius_blocks, &down);
+    for (size_t k = 0; k < kMoments; ++k) moments[k] = down[k].data();
     for (size_t c = 0; c < width; ++c) {
       SolvePlane(moments, c, 2.0 * cell_m, datum, &fits, At(r, static_cast<int>(c), fits.cols));
     }

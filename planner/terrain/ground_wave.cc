@@ -59,10 +59,10 @@ Reading ReadGround(const WaveParams& params, const LayeredCell& cell, const Laye
   return reading;
 }
 
-/// A cell without ground: something in the way, a floor far below, ground that was declared, or nothing.
-Reading ReadOther(const WaveParams& params, const LayeredGrid& grid, size_t slot, float reference) {
+/// A cell without ground: something in the way, a floor far below, or nothing.
+Reading ReadOther(const WaveParams& params, const LayeredCell& cell, float reference) {
   Reading reading;
-  for (const Layer& layer : grid.cell(slot).layer) {
+  for (const Layer& layer : cell.layer) {
     if (layer.count < kMinSupport) continue;
     const bool in_the_way =
         layer.hi_m > reference + params.link_m && layer.lo_m < reference + params.headroom_m;
@@ -73,46 +73,41 @@ Reading ReadOther(const WaveParams& params, const LayeredGrid& grid, size_t slot
       reading = {CellKind::kBelow, layer.mean_m, 0, false};
     }
   }
-  const float assumed = grid.assumed_m(slot);
-  if (reading.kind == CellKind::kUnseen && grid.crossings(slot) == 0 &&
-      std::abs(assumed - reference) <= params.link_m) {
-    reading = {CellKind::kGround, assumed, 0, false};
-  }
   return reading;
 }
 
-Reading ReadCell(const WaveParams& params, const LayeredGrid& grid, size_t slot, float reference) {
-  const LayeredCell& cell = grid.cell(slot);
+Reading ReadCell(const WaveParams& params, const LayeredCell& cell, float reference) {
   if (const Layer* surface = FindSurface(params, cell, reference)) return ReadGround(params, cell, *surface);
-  return ReadOther(params, grid, slot, reference);
+  return ReadOther(params, cell, reference);
 }
 
+constexpr int kBeside = 5;  ///< cells: ground declared this near to a seen hole is in doubt
+
 /// What most cells come to, gathered in memory order so that the wave, which jumps about, need not open them.
-enum class Gist : uint8_t { kEmpty, kPlain, kComplex };
+enum class Gist : uint8_t { kEmpty, kAssumed, kSingle, kPlain, kComplex };
 
 class Wave {
  public:
   Wave(const WaveParams& params, const LayeredGrid& grid, GroundImage* image)
-      : params_(params), grid_(grid), image_(*image), gist_(image->kind.size()), mean_m_(image->kind.size()) {
+      : params_(params), grid_(grid), image_(*image), nodes_(image->kind.size()) {
     for (int row = 0; row < image_.side; ++row) {
       for (int col = 0; col < image_.side; ++col) Gather(row, col);
     }
-    ground_.reserve(image_.kind.size());
-    other_.reserve(image_.kind.size());
+    ground_.reserve(nodes_.size());
+    other_.reserve(nodes_.size());
   }
 
   void Reach(int row, int col, float reference) {
     const size_t i = image_.Index(row, col);
     if (image_.kind[i] == CellKind::kGround) return;
-    const bool first = std::isnan(image_.reference_m[i]);
+    Node& node = nodes_[i];
+    const bool first = std::isnan(node.reference_m);
     if (!first && !over_ground_) return;
-    const Reading reading = Read(row, col, reference);
+    const Reading reading = Read(node, row, col, reference);
     if (!first && reading.kind != CellKind::kGround) return;
     image_.kind[i] = reading.kind;
-    image_.height_m[i] = reading.height_m;
-    image_.support[i] = reading.support;
-    image_.blocked[i] = reading.blocked;
-    image_.reference_m[i] = reading.kind == CellKind::kGround ? reading.height_m : reference;
+    node.reading = reading;
+    node.reference_m = reading.kind == CellKind::kGround ? reading.height_m : reference;
     (reading.kind == CellKind::kGround ? ground_ : other_).push_back({row, col});
   }
 
@@ -124,7 +119,7 @@ class Wave {
       const auto [row, col] = over_ground_ ? ground_[next_ground++] : other_[next_other++];
       const size_t i = image_.Index(row, col);
       if (!over_ground_ && image_.kind[i] == CellKind::kGround) continue;
-      const float reference = image_.reference_m[i];
+      const float reference = nodes_[i].reference_m;
       if (col > 0) Reach(row, col - 1, reference);
       if (col + 1 < image_.side) Reach(row, col + 1, reference);
       if (row > 0) Reach(row - 1, col, reference);
@@ -132,41 +127,74 @@ class Wave {
     }
   }
 
+  void Publish() const {
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+      const Node& node = nodes_[i];
+      image_.height_m[i] = node.reading.height_m;
+      image_.support[i] = node.reading.support;
+      image_.blocked[i] = node.reading.blocked;
+      image_.reference_m[i] = node.reference_m;
+    }
+  }
+
  private:
   struct Place {
     int row, col;
+  };
+  struct Node {
+    Reading reading;
+    float reference_m = kNaN;
+    float mean_m = kNaN;
+    uint16_t count = 0;
+    Gist gist = Gist::kEmpty;
   };
 
   void Gather(int row, int col) {
     const size_t i = image_.Index(row, col), slot = grid_.Slot(image_.min_x + col, image_.min_y + row);
     const LayeredCell& cell = grid_.cell(slot);
     const Layer& only = cell.layer[0];
+    Node& node = nodes_[i];
     image_.crossings[i] = grid_.crossings(slot);
     if (only.count == 0) {
-      gist_[i] = std::isnan(grid_.assumed_m(slot)) ? Gist::kEmpty : Gist::kComplex;
-    } else if (cell.layer[1].count == 0 && only.count >= kMinSupport && !IsTall(only)) {
-      gist_[i] = Gist::kPlain;
-      mean_m_[i] = only.mean_m;
-      image_.support[i] = only.count;
+      node.mean_m = grid_.assumed_m(slot);
+      node.gist = std::isnan(node.mean_m) ? Gist::kEmpty : Gist::kAssumed;
+    } else if (cell.layer[1].count == 0 && !IsTall(only)) {
+      node.gist = only.count < kMinSupport ? Gist::kSingle : Gist::kPlain;
+      node.mean_m = only.mean_m;
+      node.count = only.count;
     } else {
-      gist_[i] = Gist::kComplex;
+      node.gist = Gist::kComplex;
     }
   }
 
-  Reading Read(int row, int col, float reference) const {
-    const size_t i = image_.Index(row, col);
-    if (gist_[i] == Gist::kEmpty) return {};
-    if (gist_[i] == Gist::kPlain && std::abs(mean_m_[i] - reference) <= params_.link_m) {
-      return {CellKind::kGround, mean_m_[i], image_.support[i], false};
+  Reading Read(const Node& node, int row, int col, float reference) const {
+    const float apart = std::abs(node.mean_m - reference);
+    const bool near = apart <= params_.link_m;
+    if (node.gist == Gist::kPlain && near) return {CellKind::kGround, node.mean_m, node.count, false};
+    if (node.gist == Gist::kEmpty) return {};
+    if (node.gist == Gist::kSingle) {
+      return apart <= kSingleReturnGate_m ? Reading{CellKind::kGround, node.mean_m, 1, false} : Reading{};
     }
-    return ReadCell(params_, grid_, grid_.Slot(image_.min_x + col, image_.min_y + row), reference);
+    if (node.gist == Gist::kAssumed) {
+      return near && !CrossedNear(row, col) ? Reading{CellKind::kGround, node.mean_m, 0, false} : Reading{};
+    }
+    return ReadCell(params_, grid_.cell(grid_.Slot(image_.min_x + col, image_.min_y + row)), reference);
+  }
+
+  /// Declared ground yields to rays that went down through or beside it.
+  bool CrossedNear(int row, int col) const {
+    for (int r = std::max(0, row - kBeside); r <= std::min(image_.side - 1, row + kBeside); ++r) {
+      for (int c = std::max(0, col - kBeside); c <= std::min(image_.side - 1, col + kBeside); ++c) {
+        if (image_.crossings[image_.Index(r, c)] > 0) return true;
+      }
+    }
+    return false;
   }
 
   const WaveParams& params_;
   const LayeredGrid& grid_;
   GroundImage& image_;
-  std::vector<Gist> gist_;
-  std::vector<float> mean_m_;
+  std::vector<Node> nodes_;
   std::vector<Place> ground_, other_;
   bool over_ground_ = true;
 };
@@ -191,6 +219,7 @@ void FindGround(const WaveParams& params, const core::Vec2& robot, double seed_r
     }
   }
   wave.Spread();
+  wave.Publish();
   for (int r = 0; r < image->side; ++r) {
     for (int c = 0; c < image->side; ++c) {
       grid->SetReference(grid->Slot(image->min_x + c, image->min_y + r),

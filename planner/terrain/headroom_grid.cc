@@ -16,7 +16,8 @@ constexpr float kLegs_m = 0.4f;        ///< below, ground returns and steps judg
 constexpr int kClearInFive = 3;        ///< of the bins, at least
 
 int FloorToInt(float x) {
-  return static_cast<int>(std::floor(x));
+  const int toward_zero = static_cast<int>(x);  // std::floor is a call on plain x86-64
+  return toward_zero - (x < static_cast<float>(toward_zero) ? 1 : 0);
 }
 
 uint64_t BitOf(int bin) {

@@ -37,7 +37,9 @@ class LayeredGrid {
   int min_x() const { return min_x_; }
   int min_y() const { return min_y_; }
   int IndexOf(double coordinate_m) const {
-    return static_cast<int>(std::floor(coordinate_m * inverse_cell_));
+    const double cells = coordinate_m * inverse_cell_;
+    const int toward_zero = static_cast<int>(cells);  // std::floor is a call on plain x86-64
+    return toward_zero - (cells < static_cast<double>(toward_zero) ? 1 : 0);
   }
   bool Contains(int ix, int iy) const {
     return static_cast<unsigned>(ix - min_x_) < static_cast<unsigned>(side_) &&

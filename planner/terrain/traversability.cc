@@ -68,14 +68,19 @@ void KeepReachable(double min_traversability, int row, int col, int seed_radius,
   }
 }
 
+/// A foot may go where there is support, clear of rims and of the edges of steps by about 6 cm.
 void MarkSteppable(const GroundImage& ground, const Mask& filled, const std::vector<float>& step_m,
                    TerrainImage* image) {
+  const size_t count = image->solid.size();
   const std::vector<float> relief_m =
       SlidingRange(image->height_m, image->solid, image->side, image->side, 1);
-  image->steppable.assign(image->solid.size(), 0);
-  for (size_t i = 0; i < image->solid.size(); ++i) {
+  Mask riser(count);
+  for (size_t i = 0; i < count; ++i) riser[i] = relief_m[i] > kRiser_m;
+  const std::vector<int16_t> distance2_riser = SquaredDistance(riser, image->side, image->side, 1);
+  image->steppable.assign(count, 0);
+  for (size_t i = 0; i < count; ++i) {
     const bool uncertain = filled[i] && step_m[i] > kRiser_m;
-    image->steppable[i] = image->solid[i] && !ground.blocked[i] && !uncertain && relief_m[i] <= kRiser_m &&
+    image->steppable[i] = image->solid[i] && !ground.blocked[i] && !uncertain && distance2_riser[i] > 1 &&
                           image->distance2_open[i] >= 4;
   }
 }

@@ -135,9 +135,9 @@ TEST(TerrainHoles, GratingStaysSolidAndItsStairwellOpenAfterManySweeps) {
 }
 
 TEST(TerrainHoles, GroundAssumedAtTheStartYieldsToRaysThatGoThroughIt) {
-  // The robot starts beside the stairwell, which reaches into the circle that is assumed solid.
+  // The stairwell, to the robot's left where its LiDAR looks, reaches into the circle that is assumed solid.
   const Deck deck(0.0);
-  ExpectHolesUntouched(*MapOf(deck, {{0.75, 0.0}}, true), deck);
+  ExpectHolesUntouched(*MapOf(deck, {{2.0, -1.95}}, true), deck);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST(TerrainMap, FlatGroundIsWithinACentimetreAndTraversableToFiveMetres) {
     EXPECT_LT(std::abs(ring.mean), 0.005) << inner;
     EXPECT_LT(ring.deviation, 0.005) << inner;
   }
-  const auto ground = map.At(1.0, 0.4);
+  const auto ground = map.At(-0.67, 0.95);  // abeam
   EXPECT_TRUE(ground.known);
   EXPECT_TRUE(ground.steppable);
   EXPECT_NEAR(ground.height_m, 0.0, 0.01);
