@@ -59,6 +59,7 @@ struct World::Impl {
   RobotState state;
   LinkContacts contacts;
   int steps_to_activation = 0;
+  int64_t steps = 0;  ///< the clock: MuJoCo's own restarts when it resets a state gone bad
 };
 
 World::Impl::Impl(const scenes::SceneSpec& scene, const robots::RobotSpec& robot) {
@@ -134,7 +135,7 @@ void World::Impl::Classify() {
 
 void World::Impl::ReadState() {
   const mjData& d = *data;
-  state.time_s = d.time;
+  state.time_s = static_cast<double>(steps) * kStepS;
   state.p_base = Eigen::Map<const Vec3>(d.qpos);
   state.R_base =
       Eigen::Quaterniond(d.qpos[3], d.qpos[4], d.qpos[5], d.qpos[6]).normalized().toRotationMatrix();
@@ -222,10 +223,11 @@ void World::FinishStep(const Vec12& torque_nm) {
   }
   mj_step2(w.model.get(), w.data.get());
   w.ReadContacts();
+  ++w.steps;
   const mjWarningStat* warning = w.data->warning;
   if (warning[mjWARN_CONTACTFULL].number + warning[mjWARN_CNSTRFULL].number > 0) {
     throw std::runtime_error(
-        fmt::format("physics ran out of contacts at {:.3f} s: {}", w.data->time,
+        fmt::format("physics ran out of contacts at {:.3f} s: {}", time_s(),
                     mju_warningText(mjWARN_CONTACTFULL, warning[mjWARN_CONTACTFULL].lastinfo)));
   }
 }
@@ -240,7 +242,7 @@ const LegGeometry& World::leg(int i) const {
   return impl_->geometry[static_cast<size_t>(i)];
 }
 double World::time_s() const {
-  return impl_->data->time;
+  return static_cast<double>(impl_->steps) * kStepS;
 }
 
 bool World::Broken() const {

@@ -12,6 +12,7 @@ constexpr double kTurnFrom = 1.0, kTurnUntil = 0.35;  ///< heading error at whic
 constexpr double kLateralMps = 0.22;
 constexpr double kBrakeMps2 = 0.45;
 constexpr double kCornerMinMps = 0.15;
+constexpr double kStandsOnM = 0.15;
 constexpr double kSearchAheadM = 0.6;
 constexpr double kArriveM = 0.12;  ///< from here the end is approached in any direction
 constexpr double kDoneM = 0.05, kDoneYaw = 0.05;
@@ -40,6 +41,9 @@ PathTracker::PathTracker(std::vector<Vec2> waypoints_map, double final_yaw_rad, 
 
 void PathTracker::Start(const Vec2& p_map) {
   started_ = true;
+  size_t first = 0;  // waypoints that the robot stands on would only turn it round
+  while (first + 1 < points_.size() && (points_[first] - p_map).norm() < kStandsOnM) ++first;
+  points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(first));
   std::vector<Vec2> kept = {p_map};
   for (const Vec2& p : points_) {
     if ((p - kept.back()).norm() > 1e-3) kept.push_back(p);

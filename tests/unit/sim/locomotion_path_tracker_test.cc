@@ -93,6 +93,12 @@ TEST(PathTracker, TurnsOnTheSpotWhereThereIsNoWayToGo) {
   EXPECT_NEAR(walked.base.yaw, 2.5, 0.06);
 }
 
+TEST(PathTracker, AFirstWaypointJustBehindDoesNotTurnTheRobotRound) {
+  const Walked walked = Follow({Vec2(-0.1, 0.02), Vec2(2.0, 0.0)}, 0.0, 0.5);
+  EXPECT_EQ(walked.status, PathTracker::Status::kArrived);
+  EXPECT_LT(walked.time_s, 4.0 + 2.0);
+}
+
 TEST(PathTracker, ABaseThatDoesNotMoveIsStuckAfterEightSeconds) {
   PathTracker tracker({Vec2(3.0, 0.0)}, 0.0, 0.5);
   double t = 0.0;

@@ -68,6 +68,15 @@ TEST(Trot, ARobotThrownOverHasFallen) {
   EXPECT_EQ(robot.monitor.counts().falls, 1);
 }
 
+TEST(Trot, AStateGoneBadIsAFallAndTimeGoesOn) {
+  WalkingRobot robot(test::FlatScene());
+  robot.Run(0.5, {});
+  robot.world.PushBase(Vec3(0.0, 0.0, 1e14));
+  EXPECT_FALSE(robot.Run(1.0, {}));
+  EXPECT_GT(robot.world.time_s(), 0.499);
+  EXPECT_EQ(robot.monitor.counts().falls, 1);
+}
+
 TEST(Trot, WalkingIntoAWallIsOneCollisionAnEpisode) {
   scenes::SceneSpec scene = test::FlatScene();
   scene.parts.push_back(test::BoxPart("wall", {0.1, 2.0, 1.0}, test::At(1.6, 0.0, 1.0)));
