@@ -13,6 +13,7 @@ using core::Vec3;
 using Face = std::array<uint32_t, 3>;
 
 constexpr int kDirections = 256;
+constexpr size_t kMostExact = 100;
 
 /// The points farthest in directions of a Fibonacci sphere and along the axes, by ascending index.
 std::vector<uint32_t> ExtremePoints(const std::vector<core::Vec3f>& points) {
@@ -42,7 +43,7 @@ std::vector<uint32_t> ExtremePoints(const std::vector<core::Vec3f>& points) {
 std::vector<Vec3> HullCandidates(const std::vector<core::Vec3f>& points) {
   std::vector<uint32_t> chosen(points.size());
   std::iota(chosen.begin(), chosen.end(), 0u);
-  if (points.size() > kDirections) chosen = ExtremePoints(points);
+  if (points.size() > kMostExact) chosen = ExtremePoints(points);
   std::vector<Vec3> candidates;
   for (uint32_t i : chosen) {
     const Vec3 p = points[i].cast<double>();
