@@ -174,9 +174,9 @@ std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const fs::path& out) {
         block /= values.size();
         const std::string& value = values[combination / block % values.size()];
         run.assignments.push_back(key + "=" + value);
-        folder += "_" + FolderWord(value);
+        folder.append("_").append(FolderWord(value));
         if (key != "planner.gain" && key != "planner.name" && key != "planner") {
-          run.variant += (run.variant.empty() ? "" : " ") + key + "=" + value;
+          run.variant += fmt::format("{}{}={}", run.variant.empty() ? "" : " ", key, value);
         }
       }
       for (const uint64_t seed : spec.seeds) {

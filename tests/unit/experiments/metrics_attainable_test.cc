@@ -1,0 +1,354 @@
+#include "experiments/metrics/attainable.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "core/files.h"
+#include "experiments/metrics/attainable_cache.h"
+#include "experiments/metrics/sweep_aim.h"
+
+namespace atlas::experiments {
+namespace {
+
+using core::Box3;
+using core::Pose;
+using core::Vec3;
+using core::Vec3f;
+
+core::TriMesh BoxMesh(const Box3& box) {
+  core::TriMesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.vertices.push_back(Vec3((i & 1 ? box.max : box.min).x(), (i & 2 ? box.max : box.min).y(),
+                                 (i & 4 ? box.max : box.min).z())
+                                .cast<float>());
+  }
+  for (const auto& [a, b, c, d] : std::vector<std::array<uint32_t, 4>>{
+           {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  }
+  return mesh;
+}
+
+/// A world of boxes: its meshes, and an exact ray caster that knows nothing of triangles.
+struct BoxWorld {
+  scenes::SceneSpec scene;
+  std::vector<Box3> boxes;
+
+  void Add(const Vec3& min, const Vec3& max, bool is_object = false) {
+    boxes.push_back({min, max});
+    scenes::ScenePart part;
+    part.name = is_object ? "object" : "other";
+    part.mesh = BoxMesh(boxes.back());
+    part.is_object = is_object;
+    scene.parts.push_back(part);
+    scene.bounds.Extend(min);
+    scene.bounds.Extend(max);
+    if (is_object) scene.object_box = boxes.back().Inflated(0.2);
+  }
+
+  float RangeOf(const core::Ray& ray, float max_range_m) const {
+    float nearest = -1.0f;
+    for (const Box3& box : boxes) {
+      double enter = -1e30, leave = 1e30;
+      for (int a = 0; a < 3; ++a) {
+        const double inverse = 1.0 / ray.direction[a];
+        const double t0 = (box.min[a] - ray.origin[a]) * inverse, t1 = (box.max[a] - ray.origin[a]) * inverse;
+        enter = std::max(enter, std::min(t0, t1));
+        leave = std::min(leave, std::max(t0, t1));
+      }
+      if (enter > leave || enter <= 0.0 || enter > max_range_m) continue;
+      if (nearest < 0.0f || enter < nearest) nearest = static_cast<float>(enter);
+    }
+    return nearest;
+  }
+  CastRays Caster() const {
+    return [this](std::span<const core::Ray> rays, float max_range_m, uint64_t, std::span<float> range_m) {
+      for (size_t i = 0; i < rays.size(); ++i) range_m[i] = RangeOf(rays[i], max_range_m);
+    };
+  }
+  /// Truth of the one object box; parts are its faces: -x +x -y +y -z +z.
+  scenes::GroundTruth Truth(double spacing) const {
+    scenes::GroundTruth truth;
+    truth.part_names = {"-x", "+x", "-y", "+y", "-z", "+z"};
+    for (size_t k = 0; k < boxes.size(); ++k) {
+      if (!scene.parts[k].is_object) continue;
+      for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const Vec3 size = boxes[k].Size();
+        for (double a = 0.5 * spacing; a < size[u]; a += spacing) {
+          for (double b = 0.5 * spacing; b < size[v]; b += spacing) {
+            Vec3 p = boxes[k].min;
+            p[axis] = face % 2 == 0 ? boxes[k].min[axis] : boxes[k].max[axis];
+            p[u] += a;
+            p[v] += b;
+            truth.points.push_back(p.cast<float>());
+            truth.normals.push_back(((face % 2 == 0 ? -1.0 : 1.0) * Vec3::Unit(axis)).cast<float>());
+            truth.part.push_back(static_cast<uint16_t>(face));
+          }
+        }
+      }
+    }
+    return truth;
+  }
+};
+
+robots::RobotSpec TestRobot() {
+  robots::RobotSpec robot;
+  robot.T_base_lidar = core::MakePose(core::Mat3::Identity(), Vec3(0.1, 0.0, 0.3));
+  return robot;
+}
+
+core::LidarModel TestLidar() {
+  core::LidarModel lidar = core::FindLidarModel("vlp16");
+  lidar.columns = 360;
+  return lidar;
+}
+
+/// Ground of 6 x 6 m with a box to be mapped and a wall that hides one side of it.
+BoxWorld SmallWorld() {
+  BoxWorld world;
+  world.Add({-3, -3, -0.5}, {3, 3, 0});
+  world.Add({-0.3, -0.5, 0}, {0.5, 0.5, 1.6}, true);
+  world.Add({0.9, -0.6, 0}, {1.0, 0.9, 2.0});
+  world.scene.T_map_spawn = core::PoseFromXyzYaw({-2.0, 0.0, 0.0}, 0.0);
+  return world;
+}
+
+TEST(ReachableSet, OpenFloorAroundABlockHasItsClosedFormArea) {
+  BoxWorld world;
+  world.Add({-4, -4, -0.5}, {4, 4, 0});
+  world.Add({-0.5, -0.5, 0}, {0.5, 0.5, 1}, true);
+  world.scene.T_map_spawn = core::PoseFromXyzYaw({-2.0, 0.0, 0.0}, 0.0);
+  const robots::RobotSpec robot = TestRobot();
+  Box3 region = world.scene.bounds;
+  region.max.z() += 1.0;
+  const ReachableSet set = FindReachable(world.scene, robot, region, {});
+  const double r = robot.footprint_radius_m;
+  const double open = (8.0 - 2.0 * r) * (8.0 - 2.0 * r), grown_block = 1.0 + 4.0 * r + core::kPi * r * r;
+  EXPECT_NEAR(set.AreaM2(), open - grown_block, 0.05 * open);
+  EXPECT_TRUE(set.ReachableAt({0.0, 1.2}));
+  EXPECT_FALSE(set.ReachableAt({0.0, 0.95}));
+  EXPECT_FALSE(set.ReachableAt({3.6, 0.0}));
+}
+
+TEST(ReachableSet, PitsHighKerbsAndLowCeilingsAreNotEntered) {
+  BoxWorld world;
+  world.Add({-4, -4, -1.5}, {4, 4, -1.0});          // floor of the pit
+  world.Add({-4, -4, -1.0}, {0, 4, 0});             // the robot's half
+  world.Add({1.5, -4, -1.0}, {4, -1, 0});           // beyond the pit
+  world.Add({-3.9, 2.0, 0}, {-0.1, 4, 0.3});        // a kerb too high
+  world.Add({-3.9, -4.0, 0.6}, {-0.1, -2.0, 0.7});  // a ceiling too low
+  world.scene.T_map_spawn = core::PoseFromXyzYaw({-2.0, 0.0, 0.0}, 0.0);
+  Box3 region = world.scene.bounds;
+  const ReachableSet set = FindReachable(world.scene, TestRobot(), region, {});
+  EXPECT_TRUE(set.ReachableAt({-2.0, 0.5}));
+  EXPECT_FALSE(set.ReachableAt({0.5, 0.0}));
+  EXPECT_FALSE(set.ReachableAt({2.7, -2.5}));
+  EXPECT_FALSE(set.ReachableAt({-2.0, 3.0}));
+  EXPECT_FALSE(set.ReachableAt({-2.0, -3.0}));
+  EXPECT_FALSE(set.ReachableAt({-0.4, 0.0}));  // circle over the edge
+}
+
+TEST(ReachableSet, AKerbBelowTheStepIsClimbed) {
+  BoxWorld world;
+  world.Add({-4, -3, -0.5}, {4, 3, 0});
+  world.Add({0, -3, 0}, {4, 3, 0.1});
+  world.scene.T_map_spawn = core::PoseFromXyzYaw({-2.0, 0.0, 0.0}, 0.0);
+  Box3 region = world.scene.bounds;
+  region.max.z() += 1.0;
+  const ReachableSet set = FindReachable(world.scene, TestRobot(), region, {});
+  EXPECT_TRUE(set.ReachableAt({2.0, 0.0}));
+  int row, col;
+  ASSERT_TRUE(set.CellUnder({2.0, 0.0}, &row, &col));
+  EXPECT_NEAR(set.ground_m[set.IndexOf(row, col)], 0.1, 1e-6);
+}
+
+TEST(SweepAim, FieldOfViewIsFiftyFiveDegreesAbeam) {
+  const robots::RobotSpec robot = TestRobot();
+  const SweepAim aim(robot, core::FindLidarModel("vlp16"), 8, core::Radians(40.0));
+  const Vec3 sensor(0, 0, aim.sensor_height_m());
+  const auto sees = [&](double azimuth_deg, double elevation_deg) {
+    const double a = core::Radians(azimuth_deg), e = core::Radians(elevation_deg);
+    SweepAim::Shot shot;
+    const Vec3 far =
+        sensor + 1000.0 * Vec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    return aim.At(Vec3::Zero(), far.cast<float>(), 0, &shot);
+  };
+  for (double azimuth = 0.0; azimuth < 360.0; azimuth += 45.0) {
+    EXPECT_TRUE(sees(azimuth, 54.5));
+    EXPECT_FALSE(sees(azimuth, 55.5));
+    EXPECT_TRUE(sees(azimuth, -54.5));
+    EXPECT_FALSE(sees(azimuth, -55.5));
+  }
+  EXPECT_TRUE(sees(22.5, 52.0));  // between two headings the view is a little lower
+  EXPECT_FALSE(sees(22.5, 54.5));
+}
+
+TEST(SweepAim, TheShotLeavesTheRolledSensorAndMeetsTheTarget) {
+  const robots::RobotSpec robot = TestRobot();
+  const SweepAim aim(robot, core::FindLidarModel("vlp16"), 8, core::Radians(40.0));
+  const Vec3 ground(1.0, -2.0, 0.3), target(2.5, 0.4, 2.0);
+  for (int variant = 0; variant < 3; ++variant) {
+    SweepAim::Shot shot;
+    ASSERT_TRUE(aim.At(ground, target.cast<float>(), variant, &shot));
+    EXPECT_LT((shot.origin + shot.distance_m * shot.direction - target.cast<float>()).norm(), 1e-4f);
+    const double lever = (shot.origin.cast<double>() - (ground + Vec3(0, 0, robot.stance_height_m))).norm();
+    EXPECT_NEAR(lever, robot.T_base_lidar.translation().norm(), 1e-5);
+  }
+}
+
+TEST(Attainable, ABoxInTheOpenShowsItsSidesAndHidesItsHighTop) {
+  BoxWorld world;
+  world.Add({-4, -4, -0.5}, {4, 4, 0});
+  world.Add({-0.5, -0.4, 0}, {0.5, 0.4, 1.5}, true);
+  world.scene.T_map_spawn = core::PoseFromXyzYaw({-2.0, 0.0, 0.0}, 0.0);
+  const scenes::GroundTruth truth = world.Truth(0.01);
+  const Attainable set = ComputeAttainable(world.scene, truth, TestRobot(), core::FindLidarModel("vlp16"), {},
+                                           world.Caster(), nullptr);
+  const std::vector<PartCoverage> faces = CoverageByPart(truth, set.attainable);
+  for (int side = 0; side < 4; ++side) EXPECT_GT(faces[static_cast<size_t>(side)].share(), 0.999);
+  // Of the top only the rim within the scoring radius of a side: 2 x 0.043 of each length.
+  EXPECT_NEAR(faces[5].share(), 1.0 - (1.0 - 0.086) * (0.8 - 0.086) / 0.8, 0.02);
+  EXPECT_LT(faces[4].share(), 0.35);  // underneath: what touches the ground near the foot
+}
+
+TEST(Attainable, EqualsTheUnionOfDenseSweeps) {
+  const BoxWorld world = SmallWorld();
+  const scenes::GroundTruth truth = world.Truth(0.015);
+  const robots::RobotSpec robot = TestRobot();
+  const core::LidarModel lidar = TestLidar();
+  AttainableOptions options;
+  options.lattice_m = 1.0;
+  const Attainable set =
+      ComputeAttainable(world.scene, truth, robot, lidar, options, world.Caster(), nullptr);
+
+  CoverageScorer scorer(truth.points, options.radius_m);
+  const ReachableSet reachable = ReachableForScanning(world.scene, robot, lidar, options);
+  const std::vector<Vec3> positions =
+      LatticePositions(reachable, world.scene.T_map_spawn.translation(), options.lattice_m);
+  ASSERT_GE(positions.size(), 10u);
+  EXPECT_EQ(set.positions, positions.size());
+  const int rolls = 60;
+  for (const Vec3& ground : positions) {
+    core::PointCloud hits;
+    for (int heading = 0; heading < 8; ++heading) {
+      for (int k = 0; k < rolls; ++k) {
+        const double roll = core::Radians(-40.0 + 80.0 * (k + 0.5) / rolls);
+        const Pose T_map_lidar =
+            core::MakePose(core::RotationFromYawPitchRoll(heading * core::kPi / 4.0, 0.0, roll),
+                           ground + Vec3(0, 0, robot.stance_height_m)) *
+            robot.T_base_lidar;
+        for (int row = 0; row < lidar.rows(); ++row) {
+          for (int column = 0; column < lidar.columns; ++column) {
+            const double e = lidar.elevation_rad[static_cast<size_t>(row)],
+                         a = -2.0 * core::kPi * column / lidar.columns;
+            const Vec3 d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+            const core::Ray ray{T_map_lidar.translation().cast<float>(),
+                                (T_map_lidar.linear() * d).cast<float>()};
+            const float range = world.RangeOf(ray, 20.0f);
+            if (range >= lidar.min_range_m) hits.points.push_back(ray.origin + range * ray.direction);
+          }
+        }
+      }
+    }
+    scorer.AddCloud(hits);
+  }
+  size_t differ = 0, missed = 0;
+  for (size_t i = 0; i < truth.points.size(); ++i) {
+    differ += scorer.covered()[i] != set.attainable[i];
+    missed += scorer.covered()[i] != 0 && set.attainable[i] == 0;
+  }
+  const double n = static_cast<double>(truth.points.size());
+  RecordProperty("differ_permille", static_cast<int>(1e3 * static_cast<double>(differ) / n));
+  EXPECT_LT(static_cast<double>(differ) / n, 0.02);
+  EXPECT_NEAR(set.coverage, scorer.coverage_raw(), 0.01);
+  EXPECT_LT(set.coverage, 0.99);  // something is hidden, or this shows nothing
+}
+
+TEST(Attainable, DoesNotDependOnTheNumberOfThreads) {
+  const BoxWorld world = SmallWorld();
+  const scenes::GroundTruth truth = world.Truth(0.02);
+  AttainableOptions options;
+  const auto with = [&](int threads) {
+    options.threads = threads;
+    return ComputeAttainable(world.scene, truth, TestRobot(), TestLidar(), options, world.Caster(), nullptr);
+  };
+  const Attainable one = with(1), three = with(3);
+  EXPECT_EQ(one.attainable, three.attainable);
+  EXPECT_EQ(one.rays, three.rays);
+}
+
+class AttainableCacheTest : public ::testing::Test {
+ protected:
+  AttainableCacheTest()
+      : folder_(
+            std::filesystem::temp_directory_path() /
+            ("atlas_cache_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
+    std::filesystem::remove_all(folder_);
+    options_.lattice_m = 1.0;
+  }
+  ~AttainableCacheTest() override { std::filesystem::remove_all(folder_); }
+
+  Attainable Load() const {
+    return LoadOrComputeAttainable(world_.scene, truth_, TestRobot(), TestLidar(), options_, folder_,
+                                   nullptr);
+  }
+  std::filesystem::path OnlyFile() const { return std::filesystem::directory_iterator(folder_)->path(); }
+
+  BoxWorld world_ = SmallWorld();
+  scenes::GroundTruth truth_ = world_.Truth(0.03);
+  AttainableOptions options_;
+  std::filesystem::path folder_;
+};
+
+TEST_F(AttainableCacheTest, ASecondLoadReadsTheSameSet) {
+  const Attainable first = Load(), second = Load();
+  EXPECT_FALSE(first.from_cache);
+  EXPECT_TRUE(second.from_cache);
+  EXPECT_EQ(first.attainable, second.attainable);
+  EXPECT_EQ(first.coverage, second.coverage);
+  EXPECT_EQ(first.positions, second.positions);
+}
+
+TEST_F(AttainableCacheTest, DamagedAndTruncatedFilesAreComputedAnew) {
+  const Attainable first = Load();
+  std::string content = core::ReadFile(OnlyFile());
+  for (const size_t at : {size_t{3}, content.size() / 2, content.size() - 1}) {
+    std::string damaged = content;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    core::WriteFileAtomically(OnlyFile(), damaged);
+    const Attainable again = Load();
+    EXPECT_FALSE(again.from_cache) << "byte " << at;
+    EXPECT_EQ(again.attainable, first.attainable);
+  }
+  core::WriteFileAtomically(OnlyFile(), content.substr(0, content.size() - 5));
+  EXPECT_FALSE(Load().from_cache);
+  EXPECT_TRUE(Load().from_cache);
+}
+
+TEST_F(AttainableCacheTest, WhateverTheResultDependsOnChangesTheKey) {
+  const auto key = [&] { return AttainableKey(world_.scene, truth_, TestRobot(), TestLidar(), options_); };
+  const uint64_t original = key();
+  options_.threads = 7;
+  EXPECT_EQ(key(), original);
+  options_.radius_m = 0.086;
+  EXPECT_NE(key(), original);
+  options_.radius_m = kObjectCoverageRadiusM;
+  world_.scene.parts[2].mesh.vertices[0].x() += 0.001f;
+  EXPECT_NE(key(), original);
+}
+
+TEST_F(AttainableCacheTest, AFolderThatCannotBeWrittenIsNoError) {
+  core::WriteFileAtomically(folder_ / "file", "x");
+  folder_ /= "file";
+  EXPECT_FALSE(Load().from_cache);
+  EXPECT_FALSE(Load().from_cache);
+  folder_ = folder_.parent_path();
+}
+
+}  // namespace
+}  // namespace atlas::experiments

@@ -1,0 +1,171 @@
+#include "experiments/metrics/run_recorder.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/files.h"
+
+namespace atlas::experiments {
+namespace {
+namespace fs = std::filesystem;
+
+class RunRecorderTest : public ::testing::Test {
+ protected:
+  RunRecorderTest() {
+    folder_ =
+        fs::temp_directory_path() /
+        ("atlas_recorder_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    identity_.experiment = "helicopter";
+    identity_.scene = "helicopter";
+    identity_.gain = "occlusion_aware";
+    identity_.planner = "greedy";
+    identity_.seed = 7;
+  }
+  ~RunRecorderTest() override { fs::remove_all(folder_); }
+
+  static StepRow Step(int scan, double share) {
+    StepRow step;
+    step.scan = scan;
+    step.sim_time_s = 30.0 * scan;
+    step.distance_m = 4.5 * (scan - 1);
+    step.coverage = 0.9 * share;
+    step.coverage_raw = 0.85 * share;
+    step.coverage_of_attainable = share;
+    step.outcome = "view";
+    step.falls = 0;
+    step.collisions = scan == 2;
+    return step;
+  }
+
+  fs::path folder_;
+  RunSummary identity_;
+};
+
+TEST_F(RunRecorderTest, FolderIsValidAndInterruptedFromTheStart) {
+  const RunRecorder recorder(folder_, identity_);
+  const RunSummary summary = LoadRunSummary(folder_);
+  EXPECT_EQ(summary.status, RunStatus::kInterrupted);
+  EXPECT_EQ(summary.stop_reason, StopReason::kSignal);
+  EXPECT_EQ(summary.seed, 7u);
+  EXPECT_TRUE(LoadCoverageCurve(folder_).scan.empty());
+  for (const char* name : {"steps.csv", "timings.csv", "candidates.csv", "trajectory_truth.tum",
+                           "trajectory_odom.tum", "coverage.svg"}) {
+    EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+  }
+}
+
+TEST_F(RunRecorderTest, SummaryFollowsTheRows) {
+  RunRecorder recorder(folder_, identity_);
+  recorder.mutable_summary()->coverage_attainable = 0.9;
+  recorder.AddStep(Step(1, 0.4), {.scan = 1, .nbv_time_s = 0.2, .integration_ms = 10, .wall_time_s = 3.0});
+  recorder.AddStep(Step(2, 0.92), {.scan = 2, .nbv_time_s = 0.4, .integration_ms = 30, .wall_time_s = 6.0});
+  EXPECT_EQ(LoadRunSummary(folder_).status, RunStatus::kInterrupted);
+  recorder.Finish(RunStatus::kCompleted, StopReason::kGainExhausted, 100.0, 9.5, 8.0);
+
+  const RunSummary s = LoadRunSummary(folder_);
+  EXPECT_EQ(s.status, RunStatus::kCompleted);
+  EXPECT_EQ(s.stop_reason, StopReason::kGainExhausted);
+  EXPECT_EQ(s.scans, 2);
+  EXPECT_NEAR(*s.coverage, 0.828, 1e-9);
+  EXPECT_NEAR(*s.coverage_of_attainable, 0.92, 1e-9);
+  EXPECT_NEAR(*s.real_time_factor, 12.5, 1e-9);
+  EXPECT_NEAR(*s.nbv_time_s_mean, 0.3, 1e-9);
+  EXPECT_NEAR(*s.integration_ms_p95, 29.0, 1e-9);
+  EXPECT_EQ(s.collisions, 1);
+  EXPECT_EQ(s.t50_s, 60.0);
+  EXPECT_EQ(s.t90_s, 60.0);
+  EXPECT_FALSE(s.t95_s.has_value());
+  EXPECT_FALSE(s.miou.has_value());
+}
+
+TEST_F(RunRecorderTest, SummaryKeysStandInTheDocumentedOrder) {
+  RunSummary s = identity_;
+  s.submaps = 3;
+  s.miou = 0.5;
+  s.returned_home = true;
+  const auto json = nlohmann::ordered_json::parse(ToJson(s));
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  EXPECT_EQ(keys, (std::vector<std::string>{"experiment", "scene", "planner", "gain", "seed", "status",
+                                            "stop_reason", "submaps", "returned_home", "miou"}));
+  EXPECT_TRUE(json["submaps"].is_number_integer());
+}
+
+TEST_F(RunRecorderTest, SameRowsGiveTheSameBytes) {
+  const std::vector<StepRow> steps = {Step(1, 0.3), Step(2, 0.6)};
+  EXPECT_EQ(StepsCsv(steps), StepsCsv(steps));
+  const std::string csv = StepsCsv({Step(1, 0.3)});
+  EXPECT_NE(csv.find("\n1,30.0000,0.0000,"), std::string::npos);
+  const auto commas = [](const std::string& text) { return std::count(text.begin(), text.end(), ','); };
+  const size_t newline = csv.find('\n');
+  EXPECT_EQ(commas(csv.substr(0, newline)), commas(csv.substr(newline + 1)));
+}
+
+TEST_F(RunRecorderTest, CurveReadsBackWhatWasWritten) {
+  RunRecorder recorder(folder_, identity_);
+  recorder.AddStep(Step(1, 0.4), {});
+  recorder.AddStep(Step(2, 0.8), {});
+  const CoverageCurve curve = LoadCoverageCurve(folder_);
+  EXPECT_EQ(curve.scan, (std::vector<double>{1, 2}));
+  EXPECT_EQ(curve.coverage, (std::vector<double>{0.36, 0.72}));
+  EXPECT_EQ(curve.coverage_of_attainable, (std::vector<double>{0.4, 0.8}));
+}
+
+TEST_F(RunRecorderTest, EveryCandidateIsARowWithItsReason) {
+  RunRecorder recorder(folder_, identity_);
+  planner::NbvDecision decision;
+  decision.candidates.resize(3);
+  decision.candidates[1].reason = planner::LossReason::kChosen;
+  decision.candidates[2].extra_gains = {1.5};
+  decision.best = 1;
+  recorder.AddDecision(1, decision, {"unknown_volume"});
+  recorder.AddStep(Step(1, 0.1), {});
+  const std::string csv = core::ReadFile(folder_ / "candidates.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  EXPECT_NE(csv.find(",reason,gain_unknown_volume\n"), std::string::npos);
+  EXPECT_NE(csv.find(",chosen,\n"), std::string::npos);
+  EXPECT_NE(csv.find(",lower_utility,1.5\n"), std::string::npos);
+}
+
+TEST_F(RunRecorderTest, TrajectoriesAreTumLines) {
+  RunRecorder recorder(folder_, identity_);
+  recorder.AddPose(1.5, core::PoseFromXyzYaw({1, 2, 3}, core::kPi / 2), core::Pose::Identity());
+  recorder.AddStep(Step(1, 0.1), {});
+  EXPECT_EQ(core::ReadFile(folder_ / "trajectory_truth.tum"),
+            "1.5000 1.000000 2.000000 3.000000 0.0000000 0.0000000 0.7071068 0.7071068\n");
+}
+
+TEST_F(RunRecorderTest, DamagedSummariesAreNamedInOneLine) {
+  fs::create_directories(folder_);
+  const auto message = [&](const std::string& text) {
+    core::WriteFileAtomically(folder_ / "summary.json", text);
+    try {
+      LoadRunSummary(folder_);
+    } catch (const core::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(message("{\"experiment\": \"car\", \"sta").find("summary.json: not a JSON object"),
+            std::string::npos);
+  EXPECT_NE(message("{\"status\": \"completed\"}").find("experiment: missing"), std::string::npos);
+  EXPECT_NE(message("{\"experiment\": \"car\", \"status\": \"great\"}").find("status: unknown value 'great'"),
+            std::string::npos);
+  EXPECT_NE(message("{\"experiment\": \"car\", \"status\": \"budget\", \"coverage\": \"x\"}")
+                .find("coverage: expected"),
+            std::string::npos);
+  EXPECT_THROW(LoadRunSummary(folder_ / "absent"), core::InputError);
+}
+
+TEST_F(RunRecorderTest, AnUnwritableFolderIsBadInput) {
+  fs::create_directories(folder_);
+  core::WriteFileAtomically(folder_ / "file", "x");
+  EXPECT_THROW(RunRecorder(folder_ / "file" / "run", identity_), core::InputError);
+}
+
+}  // namespace
+}  // namespace atlas::experiments
