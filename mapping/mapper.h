@@ -16,7 +16,7 @@ namespace atlas::mapping {
 struct MapperParams {
   std::string name = "octomap";
   double resolution_m = 0.05;
-  double region_margin_m = 0.5;     ///< the map is kept in the object box grown by this
+  double region_margin_m = 0.2;     ///< the map is kept in the object box grown by this
   double max_range_m = 20.0;        ///< longer returns count as misses along the trusted part of the ray
   std::string void_rays = "clear";  ///< clear (free to void_range_m) | ignore (the thesis's filtered clouds)
   double void_range_m = 12.0;       ///< a void ray is trusted this far

@@ -26,7 +26,8 @@ class OctomapMapper : public Mapper {
         grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
         log_odds_(grid_.frame().count(), 0.0f),
         mark_(grid_.frame().count(), kUntouched),
-        changed_mark_(grid_.frame().count(), false) {
+        changed_mark_(grid_.frame().count(), false),
+        ended_(grid_.frame().count(), 0) {
     tree_.setProbHit(params.hit_probability);
     tree_.setProbMiss(params.miss_probability);
     tree_.setClampingThresMin(params.clamp_min);
@@ -43,6 +44,7 @@ class OctomapMapper : public Mapper {
     UndistortedSpin spin;
     for (const core::SpinEvent& event : sweep.spins) {
       Undistort(event, sweep.T_map_odom, &spin);
+      ++spin_;
       MarkHits(spin);
       MarkFree(spin);
       ApplyMarks();
@@ -59,7 +61,7 @@ class OctomapMapper : public Mapper {
   const OccupancyView& view() const override { return grid_; }
 
   size_t MapBytes() const override {
-    return tree_.memoryUsage() + grid_.Bytes() + log_odds_.size() * sizeof(float) + mark_.size();
+    return tree_.memoryUsage() + grid_.Bytes() + log_odds_.size() * 2 * sizeof(float) + mark_.size();
   }
 
   std::string Save(const std::filesystem::path& directory) const override {
@@ -108,7 +110,22 @@ class OctomapMapper : public Mapper {
     for (const MapRay& ray : spin.voids) MarkFreeAlong(ray, params_.void_range_m);
   }
 
+  /// Rays of a spin that leave the region (or end) in the same voxel cross the same voxels, but for a few:
+  /// the first one speaks for all, as in the library's discretised insertion.
+  bool FirstToEndThere(const Vec3& origin, const Vec3& direction, double range_m) {
+    const auto span = grid_.region().Clip(origin, direction);
+    if (!span || span->first >= range_m) return false;
+    const int64_t index =
+        grid_.frame().IndexAt(origin + (std::min(span->second, range_m) - 1e-6) * direction);
+    if (index < 0) return true;
+    uint32_t& spin = ended_[static_cast<size_t>(index)];
+    if (spin == spin_) return false;
+    spin = spin_;
+    return true;
+  }
+
   void MarkFreeAlong(const MapRay& ray, double range_m) {
+    if (!FirstToEndThere(ray.origin_map.cast<double>(), ray.direction_map.cast<double>(), range_m)) return;
     grid_.frame().Walk(ray.origin_map.cast<double>(), ray.direction_map.cast<double>(), range_m,
                        [&](size_t index, double, double) {
                          if (mark_[index] == kUntouched) {
@@ -153,6 +170,8 @@ class OctomapMapper : public Mapper {
   std::vector<float> log_odds_;
   std::vector<uint8_t> mark_;
   std::vector<bool> changed_mark_;
+  std::vector<uint32_t> ended_;  ///< the last spin whose ray ended in this voxel
+  uint32_t spin_ = 0;
   std::vector<size_t> touched_, changed_;
   float hit_, miss_, clamp_min_, clamp_max_;
 };

@@ -21,7 +21,9 @@ core::Box3 SnapOut(const core::Box3& box, double cell) {
 }  // namespace
 
 GridFrame::GridFrame(const core::Box3& region, double resolution_m)
-    : resolution_m_(resolution_m), box_(SnapOut(region, resolution_m)) {
+    : resolution_m_(resolution_m),
+      inverse_resolution_(1.0 / resolution_m),
+      box_(SnapOut(region, resolution_m)) {
   const Vec3 cells = (box_.Size() / resolution_m).array().round();
   if (cells.prod() > kMaxVoxels) {
     throw core::InputError(fmt::format(
@@ -84,9 +86,10 @@ CellState DenseGrid::StateAt(const Vec3& p_map) const {
 RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, double max_range_m,
                         std::vector<RaySample>* samples) const {
   samples->clear();
+  const uint8_t* const codes = code_.data();
   const bool stopped =
       frame_.Walk(origin_map, direction_map, max_range_m, [&](size_t index, double t_enter, double t_leave) {
-        const Decoded& voxel = table_[code_[index]];
+        const Decoded voxel = table_[codes[index]];
         samples->push_back({voxel.occupancy, static_cast<float>(t_leave - t_enter), index, voxel.behind});
         return voxel.occupancy <= static_cast<float>(kOccupiedProbability);
       });

@@ -34,7 +34,7 @@ class GridFrame {
   bool Walk(const core::Vec3& origin, const core::Vec3& direction, double t_end, const Visit& visit) const;
 
  private:
-  double resolution_m_;
+  double resolution_m_, inverse_resolution_;
   core::Box3 box_;
   std::array<int, 3> size_;
   size_t count_;
@@ -88,35 +88,41 @@ bool GridFrame::Walk(const core::Vec3& origin, const core::Vec3& direction, doub
                      const Visit& visit) const {
   const auto span = box_.Clip(origin, direction);
   if (!span || span->first >= t_end) return false;
+  // A step whose boundary lies at the end of the ray, but for rounding, would leave the grid.
   const double t_stop = std::min(span->second, t_end);
+  const double t_last = t_stop - 1e-9;
   double t = span->first;
-  const core::Vec3 local = (origin + t * direction - box_.min) / resolution_m_;
-  int cell[3], step[3];
+  const core::Vec3 local = (origin + t * direction - box_.min) * inverse_resolution_;
+  int cell[3];
   double t_next[3], t_delta[3];
-  int64_t stride[3] = {1, size_[0], static_cast<int64_t>(size_[0]) * size_[1]}, jump[3];
+  int64_t jump[3] = {1, size_[0], static_cast<int64_t>(size_[0]) * size_[1]};
   for (int a = 0; a < 3; ++a) {
     cell[a] = std::clamp(static_cast<int>(std::floor(local[a])), 0, size_[static_cast<size_t>(a)] - 1);
-    step[a] = direction[a] > 0.0 ? 1 : -1;
-    jump[a] = step[a] * stride[a];
     if (direction[a] == 0.0) {
       t_next[a] = t_delta[a] = std::numeric_limits<double>::infinity();
-    } else {
-      const double boundary = box_.min[a] + resolution_m_ * (cell[a] + (step[a] > 0 ? 1 : 0));
-      t_next[a] = (boundary - origin[a]) / direction[a];
-      t_delta[a] = resolution_m_ / std::abs(direction[a]);
+      continue;
     }
+    const double inverse = 1.0 / direction[a];
+    const double boundary = box_.min[a] + resolution_m_ * (cell[a] + (inverse > 0.0 ? 1 : 0));
+    t_next[a] = (boundary - origin[a]) * inverse;
+    t_delta[a] = resolution_m_ * std::abs(inverse);
+    if (inverse < 0.0) jump[a] = -jump[a];
   }
-  int64_t index = static_cast<int64_t>(IndexOf(cell[0], cell[1], cell[2]));
+  auto index = static_cast<int64_t>(IndexOf(cell[0], cell[1], cell[2]));
+  double x = t_next[0], y = t_next[1], z = t_next[2];
+  // Which boundary comes next is as good as random: selects, not branches.
   while (true) {
-    const int a = t_next[0] < t_next[1] ? (t_next[0] < t_next[2] ? 0 : 2) : (t_next[1] < t_next[2] ? 1 : 2);
-    const double t_leave = std::min(t_next[a], t_stop);
-    if (!visit(static_cast<size_t>(index), t, t_leave)) return true;
-    if (t_next[a] >= t_stop) return false;
-    t = t_next[a];
-    t_next[a] += t_delta[a];
-    cell[a] += step[a];
-    if (cell[a] < 0 || cell[a] >= size_[static_cast<size_t>(a)]) return false;
-    index += jump[a];
+    const bool x_first = (x <= y) & (x <= z);
+    const bool y_first = !x_first & (y <= z);
+    const double t_leave = x_first ? x : (y_first ? y : z);
+    const bool last = t_leave >= t_last;
+    if (!visit(static_cast<size_t>(index), t, last ? t_stop : t_leave)) return true;
+    if (last) return false;
+    t = t_leave;
+    index += x_first ? jump[0] : (y_first ? jump[1] : jump[2]);
+    x += x_first ? t_delta[0] : 0.0;
+    y += y_first ? t_delta[1] : 0.0;
+    z += x_first | y_first ? 0.0 : t_delta[2];
   }
 }
 
