@@ -1,6 +1,7 @@
 // Information gains: what a view is expected to teach (thesis 3.4.1, PLANNERS.md).
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -44,6 +45,26 @@ class RaySumGain : public Gain {
 
  private:
   double sum_ = 0.0;
+};
+
+/// A gain over the union of what a view's rays meet, which serves several views that share rays (headings of
+/// one node) in one pass: at most kMostViews of them.
+class SharedUnionGain : public Gain {
+ public:
+  static constexpr size_t kMostViews = 64;
+
+  virtual void BeginViews() = 0;
+  /// Bit v of `views` says that view v sees the ray.
+  virtual void AddRayToViews(std::span<const mapping::RaySample> samples, mapping::RayEnd end,
+                             uint64_t views) = 0;
+  /// @return the gain of each of the first `count` views.
+  virtual std::vector<double> FinishViews(size_t count) = 0;
+
+  void BeginView() final { BeginViews(); }
+  void AddRay(std::span<const mapping::RaySample> samples, mapping::RayEnd end, double weight) final {
+    if (weight > 0.0) AddRayToViews(samples, end, 1);
+  }
+  double FinishView() final { return FinishViews(1)[0]; }
 };
 
 struct GainEntry {

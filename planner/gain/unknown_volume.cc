@@ -6,23 +6,26 @@
 namespace atlas::planner {
 namespace {
 
-class UnknownVolume final : public Gain {
+class UnknownVolume final : public SharedUnionGain {
  public:
   explicit UnknownVolume(double resolution_m) : voxel_m3_(resolution_m * resolution_m * resolution_m) {}
 
-  void BeginView() override { seen_.Clear(); }
+  void BeginViews() override { seen_.Clear(); }
   /// Only a known surface hides what lies behind it: unknown voxels do not.
-  void AddRay(std::span<const mapping::RaySample> samples, mapping::RayEnd, double weight) override {
-    if (weight <= 0.0) return;
+  void AddRayToViews(std::span<const mapping::RaySample> samples, mapping::RayEnd, uint64_t views) override {
     for (const mapping::RaySample& v : samples) {
-      if (IsUnknown(v.occupancy)) seen_.Insert(v.key);
+      if (IsUnknown(v.occupancy)) seen_.Add(v.key, views);
     }
   }
-  double FinishView() override { return voxel_m3_ * static_cast<double>(seen_.size()); }
+  std::vector<double> FinishViews(size_t count) override {
+    std::vector<double> gain;
+    for (const size_t voxels : seen_.Count(count)) gain.push_back(voxel_m3_ * static_cast<double>(voxels));
+    return gain;
+  }
 
  private:
   double voxel_m3_;
-  VoxelSet seen_;
+  VoxelViews seen_;
 };
 
 }  // namespace

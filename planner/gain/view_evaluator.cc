@@ -1,5 +1,6 @@
 #include "planner/gain/view_evaluator.h"
 
+#include <cassert>
 #include <numeric>
 
 #include "core/parallel_for.h"
@@ -49,7 +50,7 @@ class SumAccumulator final : public Accumulator {
   std::vector<std::array<double, kEndClasses>> sum_;
 };
 
-/// Ratios and unions: an instance a heading, and one more for each end class where the split is asked for.
+/// Ratios: an instance a heading, and one more for each end class where the split is asked for.
 class ViewAccumulator final : public Accumulator {
  public:
   ViewAccumulator(const GainEntry& entry, double resolution_m, bool split)
@@ -80,10 +81,53 @@ class ViewAccumulator final : public Accumulator {
   std::vector<std::unique_ptr<Gain>> gain_;
 };
 
+/// Unions: one pass serves all headings; one more instance for each end class where the split is asked for.
+class UnionAccumulator final : public Accumulator {
+ public:
+  UnionAccumulator(const GainEntry& entry, double resolution_m, bool split) {
+    for (size_t i = 0; i < (split ? 1 + kEndClasses : 1); ++i) {
+      owner_.push_back(entry.build(resolution_m));
+      gain_.push_back(dynamic_cast<SharedUnionGain*>(owner_.back().get()));
+    }
+  }
+
+  void Begin(size_t headings) override {
+    assert(headings <= SharedUnionGain::kMostViews);
+    headings_ = headings;
+    value_.assign(gain_.size(), {});
+    for (SharedUnionGain* gain : gain_) gain->BeginViews();
+  }
+  void Add(const std::vector<RaySample>& samples, RayEnd end, EndClass end_class,
+           const std::vector<double>& weights) override {
+    uint64_t views = 0;
+    for (size_t h = 0; h < weights.size(); ++h) views |= static_cast<uint64_t>(weights[h] > 0.0) << h;
+    gain_[0]->AddRayToViews(samples, end, views);
+    if (gain_.size() > 1) gain_[1 + static_cast<size_t>(end_class)]->AddRayToViews(samples, end, views);
+  }
+  double Total(size_t heading) override { return Value(0, heading); }
+  double OfEnd(size_t heading, EndClass end_class) override {
+    return gain_.size() > 1 ? Value(1 + static_cast<size_t>(end_class), heading) : 0.0;
+  }
+
+ private:
+  double Value(size_t instance, size_t heading) {
+    if (value_[instance].empty()) value_[instance] = gain_[instance]->FinishViews(headings_);
+    return value_[instance][heading];
+  }
+
+  std::vector<std::unique_ptr<Gain>> owner_;
+  std::vector<SharedUnionGain*> gain_;
+  std::vector<std::vector<double>> value_;
+  size_t headings_ = 0;
+};
+
 std::unique_ptr<Accumulator> MakeAccumulator(const GainEntry& entry, double resolution_m, bool split) {
   const std::unique_ptr<Gain> probe = entry.build(resolution_m);
   if (dynamic_cast<const RaySumGain*>(probe.get()) != nullptr) {
     return std::make_unique<SumAccumulator>(entry, resolution_m);
+  }
+  if (dynamic_cast<const SharedUnionGain*>(probe.get()) != nullptr) {
+    return std::make_unique<UnionAccumulator>(entry, resolution_m, split);
   }
   return std::make_unique<ViewAccumulator>(entry, resolution_m, split);
 }

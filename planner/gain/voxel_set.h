@@ -1,16 +1,18 @@
-// Which voxels a view has met: a set of keys that empties at no cost.
+// Which views have met which voxels: a table of keys that empties at no cost.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace atlas::planner {
 
-/// Open-addressing hash set of voxel keys. Clear() keeps the storage.
-class VoxelSet {
+/// Open-addressing hash table from voxel key to the set of views (a bit each) that have met the voxel.
+/// Clear() keeps the storage.
+class VoxelViews {
  public:
-  VoxelSet() : slot_(size_t{1} << 12) {}
+  VoxelViews() : slot_(size_t{1} << 12) {}
 
   void Clear() {
     size_ = 0;
@@ -20,21 +22,32 @@ class VoxelSet {
     }
   }
 
-  /// @return whether `key` was not there before.
-  bool Insert(uint64_t key) {
-    if (2 * (size_ + 1) > slot_.size()) Grow();
+  void Add(uint64_t key, uint64_t views) {
     Slot& slot = Find(key);
-    if (slot.round == round_) return false;
-    slot = {key, round_};
-    ++size_;
-    return true;
+    if (slot.round == round_) {
+      slot.views |= views;
+      return;
+    }
+    slot = {key, views, round_};
+    if (2 * ++size_ > slot_.size()) Grow();
   }
 
-  size_t size() const { return size_; }
+  /// How many voxels each of the first `count` views has met.
+  std::vector<size_t> Count(size_t count) const {
+    std::vector<size_t> voxels(count, 0);
+    for (const Slot& slot : slot_) {
+      if (slot.round != round_) continue;
+      for (uint64_t rest = slot.views; rest != 0; rest &= rest - 1) {
+        const auto view = static_cast<size_t>(std::countr_zero(rest));
+        if (view < count) ++voxels[view];
+      }
+    }
+    return voxels;
+  }
 
  private:
   struct Slot {
-    uint64_t key = 0;
+    uint64_t key = 0, views = 0;
     uint32_t round = 0;
   };
 

@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/errors.h"
+#include "mapping/grid/dense_grid.h"
+#include "planner/nbv_planner.h"
+#include "tests/support/flat_ground.h"
+
+namespace atlas::planner {
+namespace {
+
+using core::Box3;
+using core::Pose;
+using core::Vec2;
+using core::Vec3;
+
+const Box3 kObjectBox{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
+
+SweepSensorModel Sensor() {
+  SweepSensorModel sensor;
+  sensor.lidar = core::FindLidarModel("vlp16");
+  sensor.T_base_lidar.translation().z() = 0.25;
+  return sensor;
+}
+
+NbvParams SmallParams(const std::string& name) {
+  NbvParams params = DefaultParams(name);
+  params.nodes = 40;
+  params.rays = 300;
+  params.rrt_star_iterations = 200;
+  return params;
+}
+
+/// The object's -y face is mapped, all about it but its shadow (y > -0.5) is free.
+mapping::DenseGrid NearSideMapped(double p_shadow = 0.5) {
+  mapping::DenseGrid map(kObjectBox.Inflated(0.5), 0.1);
+  for (size_t i = 0; i < map.frame().count(); ++i) {
+    const Vec3 p = map.frame().CenterOf(i);
+    double occupancy = 0.12;
+    if (std::abs(p.x()) < 1.0 && p.z() < 1.2) {
+      if (p.y() > -0.5 && p.y() < -0.4) occupancy = 0.97;
+      if (p.y() > -0.4) occupancy = p_shadow;
+    }
+    if (p.z() < 0.0) occupancy = 0.97;
+    if (occupancy != 0.5) map.SetLogOdds(i, static_cast<float>(std::log(occupancy / (1.0 - occupancy))));
+  }
+  map.FinishUpdate();
+  return map;
+}
+
+tests::FlatGround GroundAboutObject(const Vec2& robot) {
+  tests::FlatGround ground(12.0, robot);
+  ground.AddObstacle(kObjectBox.min.head<2>(), kObjectBox.max.head<2>());
+  return ground;
+}
+
+std::unique_ptr<NbvPlanner> Make(const NbvParams& params, int threads = 1, uint64_t seed = 1) {
+  return MakeNbvPlanner(params, robots::RobotSpec{}, Sensor(), kObjectBox, threads, core::Rng(seed));
+}
+
+const Pose kRobot = core::PoseFromXyzYaw(Vec3(0.0, -3.0, 0.44), 0.0);
+
+class EachPlanner : public testing::TestWithParam<std::string> {};
+
+TEST_P(EachPlanner, ChoosesTheBestUtilityAndKeepsWhatDecided) {
+  const auto map = NearSideMapped();
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  const auto planner = Make(SmallParams(GetParam()));
+  planner->OnSweep(kRobot, 500);
+  const NbvDecision decision = planner->Plan(kRobot, map, ground);
+  ASSERT_EQ(decision.outcome, NbvOutcome::kView);
+  EXPECT_EQ(decision.candidates.size(), 40u * 8u);
+  EXPECT_GT(decision.rays_traced, 40u * 300u);
+  int chosen = 0;
+  const Candidate& best = decision.candidates[static_cast<size_t>(decision.best)];
+  for (const Candidate& c : decision.candidates) {
+    chosen += c.reason == LossReason::kChosen;
+    EXPECT_LE(c.utility, best.utility + 1e-12);
+    EXPECT_EQ(c.position_cost, std::max(c.visited_cost, c.too_close_cost));
+    EXPECT_NEAR(c.utility, c.gain * (1 - c.position_cost) * (1 - c.traversal_cost), 1e-9 * (1 + c.gain));
+    EXPECT_NEAR(c.gain_void + c.gain_ground + c.gain_object, c.gain, 0.2 * c.gain + 1e-9);
+  }
+  EXPECT_EQ(chosen, 1);
+  EXPECT_EQ(decision.path_map.front(), Vec2(0.0, -3.0));
+  EXPECT_EQ(decision.path_map.back(), best.p_map);
+}
+
+TEST_P(EachPlanner, SameSeedGivesTheSameDecisionWithAnyNumberOfThreads) {
+  const auto map = NearSideMapped();
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  const auto decide = [&](int threads) {
+    const auto planner = Make(SmallParams(GetParam()), threads);
+    planner->OnSweep(kRobot, 500);
+    return planner->Plan(kRobot, map, ground);
+  };
+  const NbvDecision one = decide(1);
+  for (const int threads : {1, 2, 3}) {
+    const NbvDecision other = decide(threads);
+    ASSERT_EQ(one.candidates.size(), other.candidates.size());
+    for (size_t i = 0; i < one.candidates.size(); ++i) {
+      EXPECT_EQ(one.candidates[i].utility, other.candidates[i].utility);
+      EXPECT_EQ(one.candidates[i].p_map, other.candidates[i].p_map);
+    }
+    EXPECT_EQ(one.best, other.best);
+    EXPECT_EQ(one.path_map, other.path_map);
+  }
+}
+
+TEST_P(EachPlanner, NoGroundToStandOnIsNoCandidatesAndNeverComplete) {
+  tests::FlatGround ground(12.0, Vec2(0.0, -3.0));
+  ground.AddObstacle(Vec2(-20.0, -20.0), Vec2(20.0, 20.0));
+  const auto map = NearSideMapped();
+  const auto planner = Make(SmallParams(GetParam()));
+  for (int i = 0; i < 8; ++i) {
+    planner->OnSweep(kRobot, i == 0 ? 500 : 0);
+    EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kNoCandidates);
+  }
+}
+
+TEST_P(EachPlanner, SweepsThatBringNothingEndTheMission) {
+  const auto map = NearSideMapped();
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  const NbvParams params = SmallParams(GetParam());
+  const auto planner = Make(params);
+  planner->OnSweep(kRobot, 500);
+  EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kView);
+  NbvOutcome outcome = NbvOutcome::kView;
+  for (int i = 0; i < params.flat_rounds; ++i) {
+    EXPECT_EQ(outcome, NbvOutcome::kView);
+    planner->OnSweep(kRobot, 0);
+    outcome = planner->Plan(kRobot, map, ground).outcome;
+  }
+  EXPECT_EQ(outcome, NbvOutcome::kGainExhausted);
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EachPlanner, testing::Values("thesis", "greedy"));
+
+TEST(NbvPlanner, GreedyGoesRoundToTheUnseenSide) {
+  const auto map = NearSideMapped();
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  const auto planner = Make(SmallParams("greedy"));
+  planner->OnSweep(kRobot, 500);
+  const NbvDecision decision = planner->Plan(kRobot, map, ground);
+  EXPECT_GT(decision.candidates[static_cast<size_t>(decision.best)].p_map.y(), -0.4);
+}
+
+TEST(NbvPlanner, GreedyIsExhaustedWhenNothingIsUnknown) {
+  const auto map = NearSideMapped(0.12);
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  const auto planner = Make(SmallParams("greedy"));
+  planner->OnSweep(kRobot, 500);
+  EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kGainExhausted);
+}
+
+TEST(NbvPlanner, ACommitmentHoldsWhileTheRobotIsOnItsWay) {
+  const auto map = NearSideMapped();
+  const auto planner = Make(SmallParams("greedy"));
+  planner->OnSweep(kRobot, 500);
+  const NbvDecision first = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+  const Candidate& view = first.candidates[static_cast<size_t>(first.best)];
+  const Pose on_the_way = core::PoseFromXyzYaw(Vec3(0.3, -2.8, 0.44), 0.3);
+  const NbvDecision second = planner->Plan(on_the_way, map, GroundAboutObject(Vec2(0.3, -2.8)));
+  ASSERT_EQ(second.outcome, NbvOutcome::kView);
+  const Candidate& kept = second.candidates[static_cast<size_t>(second.best)];
+  const double best_utility = [&] {
+    double best = 0.0;
+    for (const Candidate& c : second.candidates) best = std::max(best, c.utility);
+    return best;
+  }();
+  const bool same_place = (kept.p_map - view.p_map).norm() < 0.5;
+  EXPECT_TRUE(same_place || kept.utility == best_utility);
+  EXPECT_GE(kept.utility * 1.151, best_utility);
+}
+
+TEST(NbvPlanner, ViewsThatBreakTheirPromisesAreDropped) {
+  const auto map = NearSideMapped();
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  NbvParams params = SmallParams("greedy");
+  params.visited_cost = false;
+  params.flat_rounds = 100;
+  const auto planner = Make(params);
+  planner->OnSweep(kRobot, 500);
+  std::vector<Vec2> chosen;
+  for (int i = 0; i < 3; ++i) {
+    const NbvDecision decision = planner->Plan(kRobot, map, ground);
+    ASSERT_EQ(decision.outcome, NbvOutcome::kView);
+    const Candidate& c = decision.candidates[static_cast<size_t>(decision.best)];
+    chosen.push_back(c.p_map);
+    planner->OnSweep(core::PoseFromXyzYaw(Vec3(c.p_map.x(), c.p_map.y(), 0.44), c.yaw_rad), 0);
+  }
+  EXPECT_EQ(chosen[0], chosen[1]);
+  EXPECT_GT((chosen[2] - chosen[0]).norm(), 0.7);
+}
+
+TEST(NbvPlanner, UnknownNamesAreRefused) {
+  NbvParams params;
+  params.name = "greeedy";
+  EXPECT_THROW(Make(params), core::InputError);
+  params = NbvParams{};
+  params.gain = "entropy_of_everything";
+  EXPECT_THROW(Make(params), core::InputError);
+}
+
+}  // namespace
+}  // namespace atlas::planner

@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include "planner/utility/costs.h"
+#include "planner/utility/termination.h"
+#include "planner/utility/view_memory.h"
+#include "tests/support/flat_ground.h"
+#include "tests/support/voxel_world.h"
+
+namespace atlas::planner {
+namespace {
+
+using core::Vec2;
+using core::Vec3;
+
+TEST(Costs, PositionCostIsEquation37) {
+  EXPECT_DOUBLE_EQ(PositionCost(0.0, 2.0), 1.0);
+  EXPECT_DOUBLE_EQ(PositionCost(0.5, 2.0), 0.75);
+  EXPECT_DOUBLE_EQ(PositionCost(2.0, 2.0), 0.0);
+  EXPECT_DOUBLE_EQ(PositionCost(7.0, 2.0), 0.0);
+}
+
+TEST(Costs, TwoTermsAtOneThresholdHaveTheThesissMaximum) {
+  // The thesis has one d_x: the distance to a visited pose or the object, whichever is nearer.
+  for (const double threshold : {0.5, 1.5, 3.0}) {
+    for (double visited = 0.0; visited < 4.0; visited += 0.3) {
+      for (double object = 0.0; object < 4.0; object += 0.3) {
+        EXPECT_DOUBLE_EQ(std::max(PositionCost(visited, threshold), PositionCost(object, threshold)),
+                         PositionCost(std::min(visited, object), threshold));
+      }
+    }
+  }
+}
+
+TEST(Costs, UtilityIsEquation31) {
+  const struct {
+    double gain, position, traversal, utility;
+  } table[] = {{10, 0, 0, 10},      {10, 0.5, 0, 5}, {10, 0, 0.25, 7.5},
+               {10, 0.5, 0.5, 2.5}, {10, 1, 0, 0},   {0, 0, 0, 0}};
+  for (const auto& row : table) EXPECT_DOUBLE_EQ(Utility(row.gain, row.position, row.traversal), row.utility);
+}
+
+TEST(Costs, TwoTraversalCostsLeaveTheProductOfWhatTheyLeave) {
+  EXPECT_DOUBLE_EQ(CombineCosts(0.0, 0.2), 0.2);
+  EXPECT_DOUBLE_EQ(CombineCosts(0.5, 0.2), 0.6);
+  EXPECT_DOUBLE_EQ(CombineCosts(1.0, 0.2), 1.0);
+}
+
+TEST(Costs, ObjectDistanceLeavesTheGroundOut) {
+  tests::VoxelWorld world({Vec3(-2, -2, -0.5), Vec3(2, 2, 1.5)}, 0.1);
+  world.Fill([](const Vec3& p) { return p.z() < 0.0 || (p.x() > 1.0 && p.z() < 1.0) ? 0.95f : 0.1f; });
+  const ObjectDistance object(world, 0.0);
+  const Vec3 sensor(0.0, 0.05, 0.65);
+  EXPECT_NEAR(object.At(sensor, 5.0), 1.05, 0.01);
+  EXPECT_NEAR(object.At(sensor, 0.8), 0.8, 1e-6) << "limited";
+}
+
+TEST(Costs, BehindIsTheHalfPlaneAtTheRobotsBack) {
+  const core::Pose robot = core::PoseFromXyzYaw(Vec3(1.0, 1.0, 0.44), 0.5 * core::kPi);
+  EXPECT_FALSE(IsBehind(Vec2(1.0, 2.0), robot));
+  EXPECT_FALSE(IsBehind(Vec2(4.0, 1.1), robot));
+  EXPECT_TRUE(IsBehind(Vec2(4.0, 0.9), robot));
+}
+
+class TiltedGround : public tests::FlatGround {
+ public:
+  double slope_rad = 0.0;
+  Surface SurfaceAt(const Vec2&) const override { return {0.0, slope_rad, 0.0}; }
+};
+
+TEST(Costs, WalkTimeCountsLengthTurnsAndSlope) {
+  TiltedGround ground;
+  const Walkable walkable(ground, Vec2::Zero());
+  TraversalModel model;
+  model.speed_mps = 0.5;
+  model.turn_rate_radps = 0.5;
+  const std::vector<Vec2> path = {Vec2(0, 0), Vec2(2, 0), Vec2(2, 1)};
+  EXPECT_NEAR(WalkTime(model, walkable, path, 0.0, 0.5 * core::kPi), 3.0 / 0.5 + 0.5 * core::kPi / 0.5, 1e-9);
+  EXPECT_NEAR(WalkTime(model, walkable, path, core::kPi, 0.0), 6.0 + 2.0 * core::kPi / 0.5, 1e-9);
+  ground.slope_rad = model.slope_scale_rad;
+  EXPECT_NEAR(WalkTime(model, walkable, path, 0.0, 0.5 * core::kPi), 12.0 + core::kPi, 1e-9)
+      << "half the speed";
+  EXPECT_NEAR(ContinuousTraversalCost(model, model.time_scale_s), 1.0 - std::exp(-1.0), 1e-12);
+  EXPECT_EQ(ContinuousTraversalCost(model, 0.0), 0.0);
+}
+
+TEST(Termination, StopsOnlyAfterLowRoundsInARowOnAFlatCurve) {
+  Termination low({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
+  for (const double utility : {100.0, 3.0, 20.0, 3.0}) {
+    low.Observe(utility, 0.0);
+    EXPECT_FALSE(low.Exhausted());
+  }
+  EXPECT_NEAR(low.ratio(), 0.03, 1e-12);
+  low.Observe(3.0, 0.2);
+  EXPECT_FALSE(low.Exhausted()) << "the surface still grows";
+  low.Observe(3.0, 0.0);
+  low.Observe(3.0, 0.0);
+  EXPECT_TRUE(low.Exhausted());
+}
+
+TEST(Termination, DoesNotDependOnTheGainsScale) {
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    Termination t({});
+    for (const double u : {50.0, 30.0, 2.0}) t.Observe(scale * u, 0.0);
+    EXPECT_FALSE(t.Exhausted());
+    t.Observe(scale * 1.0, 0.0);
+    EXPECT_TRUE(t.Exhausted());
+  }
+}
+
+TEST(Termination, AGainThatNeverFallsIsOverruledByFlatSweeps) {
+  Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 4});
+  t.Observe(100.0, 1.0);
+  for (int i = 0; i < 3; ++i) t.Observe(120.0, 0.002);
+  EXPECT_FALSE(t.Exhausted());
+  t.Observe(120.0, 0.3);
+  for (int i = 0; i < 3; ++i) t.Observe(120.0, 0.002);
+  EXPECT_FALSE(t.Exhausted()) << "a sweep that brought something starts the count again";
+  t.Observe(120.0, 0.002);
+  EXPECT_TRUE(t.Exhausted());
+}
+
+core::Pose Standing(double x) {
+  return core::PoseFromXyzYaw(Vec3(x, 0.0, 0.44), 0.0);
+}
+
+TEST(ViewMemory, APromiseThatBringsNothingCountsAsBrokenWhereItWasMade) {
+  ViewMemory memory;
+  memory.RecordSweep(Standing(0.0), 10000);
+  memory.Commit({Vec2(3.0, 0.0), 0.0});
+  memory.RecordSweep(Standing(3.1), 2);
+  EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1);
+  EXPECT_EQ(memory.BrokenPromisesNear(Vec2(4.5, 0.0)), 0);
+  EXPECT_FALSE(memory.commitment().has_value());
+  memory.Commit({Vec2(3.0, 0.0), 0.0});
+  memory.RecordSweep(Standing(3.0), 5000);
+  EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1) << "kept";
+}
+
+TEST(ViewMemory, ACommitmentStaysUntilASweepIsTakenThere) {
+  ViewMemory memory;
+  memory.RecordSweep(Standing(0.0), 10000);
+  memory.Commit({Vec2(3.0, 0.0), 0.0});
+  memory.RecordSweep(Standing(1.5), 3);
+  EXPECT_TRUE(memory.commitment().has_value());
+  EXPECT_EQ(memory.BrokenPromisesNear(Vec2(1.5, 0.0)), 0) << "nothing was promised here";
+}
+
+}  // namespace
+}  // namespace atlas::planner
