@@ -19,6 +19,10 @@ std::string MeanAndSpread(const SampleStatistics& s, double scale, int decimals)
   return fmt::format("{:.{}f} ± {:.{}f}", scale * s.mean, decimals, scale * s.stddev, decimals);
 }
 
+std::string MeanOf(const SampleStatistics& s, double scale, int decimals) {
+  return s.count == 0 ? "-" : fmt::format("{:.{}f}", scale * s.mean, decimals);
+}
+
 std::string TimeAndSpread(const SampleStatistics& s) {
   if (s.count == 0) return "-";
   return s.count == 1 ? MinutesSeconds(s.mean)
@@ -57,7 +61,7 @@ std::vector<std::string> GroupRow(const RunGroup& g) {
           g.gain,
           PlannerOf(g),
           MeanAndSpread(g.Over(&RunSummary::coverage), 100.0, 2),
-          MeanAndSpread(g.Over(&RunSummary::coverage_attainable), 100.0, 1),
+          MeanOf(g.Over(&RunSummary::coverage_attainable), 100.0, 1),
           MeanAndSpread(g.Over(&RunSummary::coverage_of_attainable), 100.0, 2),
           MeanAndSpread(g.Over(&RunSummary::travel_distance_m), 1.0, 2),
           MeanAndSpread(g.Over(&RunSummary::scans), 1.0, g.runs.size() > 1 ? 1 : 0),
