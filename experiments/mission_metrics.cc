@@ -28,6 +28,27 @@ RunSummary IdentityOf(const ExperimentConfig& config, const RunOptions& options)
   return s;
 }
 
+/// What was to be had of each part, and what was had: coverage_by_part.csv.
+std::string PartsCsv(const scenes::GroundTruth& truth, const std::vector<uint8_t>& attainable,
+                     const std::vector<uint8_t>& covered) {
+  std::vector<size_t> points(truth.part_names.size()), reach(points), got(points), both(points);
+  for (size_t i = 0; i < truth.points.size(); ++i) {
+    const size_t part = truth.part[i];
+    ++points[part];
+    reach[part] += attainable[i];
+    got[part] += covered[i];
+    both[part] += attainable[i] & covered[i];
+  }
+  std::string csv = "part,area_m2,attainable,coverage,coverage_of_attainable\n";
+  for (size_t k = 0; k < points.size(); ++k) {
+    const auto n = static_cast<double>(std::max<size_t>(1, points[k]));
+    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f}\n", truth.part_names[k], truth.part_area_m2[k],
+                       static_cast<double>(reach[k]) / n, static_cast<double>(got[k]) / n,
+                       static_cast<double>(both[k]) / static_cast<double>(std::max<size_t>(1, reach[k])));
+  }
+  return csv;
+}
+
 double PeakRssBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -139,6 +160,8 @@ RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const map
   core::PointCloud cloud;
   cloud.points = meter_->kept_points();
   core::WritePly(options_.folder / "cloud.ply", cloud);
+  core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
+                            PartsCsv(truth_, attainable_, meter_->covered()));
   mapper.Save(options_.folder);
   return result;
 }

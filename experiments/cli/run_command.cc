@@ -7,7 +7,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/closed_loop.h"
 #include "experiments/interrupt.h"
-#include "experiments/metrics/run_summary.h"
+#include "experiments/report/tables.h"
 
 namespace atlas::experiments {
 namespace {
@@ -51,7 +51,7 @@ int RunCommand(const RunArguments& arguments) {
   const RunSummary summary = RunClosedLoop(config, options);
   line.Show("", false);
   core::WriteFileAtomically(options.folder / "log.txt", line.log());
-  std::cout << ToJson(summary);
+  std::cout << CoverageTable(std::vector<RunSummary>{summary});
   std::cout << fmt::format("\n{} ({}); run folder: {}\n", NameOf(summary.status), NameOf(summary.stop_reason),
                            options.folder.string());
   return ExitCodeOf(summary.status);
