@@ -18,7 +18,7 @@ namespace atlas::planner {
 
 struct NbvParams {
   std::string name = "greedy";  ///< thesis | greedy
-  std::string gain = "occlusion_aware_normalised";
+  std::string gain = "surface_frontier";
   std::vector<std::string> extra_gains;  ///< also computed and logged for every candidate, from the same rays
   int nodes = 150;
   double window_m = 12.0;
@@ -41,7 +41,7 @@ struct NbvParams {
   int flat_rounds = 4;          ///< flat sweeps in a row that stop whatever views promise
   double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
   int blacklist_after = 2;      ///< views that gained nothing here so often are dropped
-  int rrt_star_iterations = 2000;
+  int rrt_star_iterations = 800;
   TerrainParams terrain;
   void Visit(core::ParamVisitor& v);
 };

@@ -1,7 +1,6 @@
 // Information gains: what a view is expected to teach (thesis 3.4.1, PLANNERS.md).
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -48,23 +47,21 @@ class RaySumGain : public Gain {
 };
 
 /// A gain over the union of what a view's rays meet, which serves several views that share rays (headings of
-/// one node) in one pass: at most kMostViews of them.
+/// one node) in one pass.
 class SharedUnionGain : public Gain {
  public:
-  static constexpr size_t kMostViews = 64;
-
-  virtual void BeginViews() = 0;
-  /// Bit v of `views` says that view v sees the ray.
+  virtual void BeginViews(size_t count) = 0;
+  /// `weights[v]` is how many sensor rays of view v this one stands for; 0 where v does not see it.
   virtual void AddRayToViews(std::span<const mapping::RaySample> samples, mapping::RayEnd end,
-                             uint64_t views) = 0;
-  /// @return the gain of each of the first `count` views.
-  virtual std::vector<double> FinishViews(size_t count) = 0;
+                             std::span<const double> weights) = 0;
+  /// @return the gain of each view: finite, >= 0.
+  virtual std::vector<double> FinishViews() = 0;
 
-  void BeginView() final { BeginViews(); }
+  void BeginView() final { BeginViews(1); }
   void AddRay(std::span<const mapping::RaySample> samples, mapping::RayEnd end, double weight) final {
-    if (weight > 0.0) AddRayToViews(samples, end, 1);
+    AddRayToViews(samples, end, {&weight, 1});
   }
-  double FinishView() final { return FinishViews(1)[0]; }
+  double FinishView() final { return FinishViews()[0]; }
 };
 
 struct GainEntry {

@@ -1,6 +1,5 @@
 #include "planner/gain/view_evaluator.h"
 
-#include <cassert>
 #include <numeric>
 
 #include "core/parallel_for.h"
@@ -92,17 +91,13 @@ class UnionAccumulator final : public Accumulator {
   }
 
   void Begin(size_t headings) override {
-    assert(headings <= SharedUnionGain::kMostViews);
-    headings_ = headings;
     value_.assign(gain_.size(), {});
-    for (SharedUnionGain* gain : gain_) gain->BeginViews();
+    for (SharedUnionGain* gain : gain_) gain->BeginViews(headings);
   }
   void Add(const std::vector<RaySample>& samples, RayEnd end, EndClass end_class,
            const std::vector<double>& weights) override {
-    uint64_t views = 0;
-    for (size_t h = 0; h < weights.size(); ++h) views |= static_cast<uint64_t>(weights[h] > 0.0) << h;
-    gain_[0]->AddRayToViews(samples, end, views);
-    if (gain_.size() > 1) gain_[1 + static_cast<size_t>(end_class)]->AddRayToViews(samples, end, views);
+    gain_[0]->AddRayToViews(samples, end, weights);
+    if (gain_.size() > 1) gain_[1 + static_cast<size_t>(end_class)]->AddRayToViews(samples, end, weights);
   }
   double Total(size_t heading) override { return Value(0, heading); }
   double OfEnd(size_t heading, EndClass end_class) override {
@@ -111,14 +106,13 @@ class UnionAccumulator final : public Accumulator {
 
  private:
   double Value(size_t instance, size_t heading) {
-    if (value_[instance].empty()) value_[instance] = gain_[instance]->FinishViews(headings_);
+    if (value_[instance].empty()) value_[instance] = gain_[instance]->FinishViews();
     return value_[instance][heading];
   }
 
   std::vector<std::unique_ptr<Gain>> owner_;
   std::vector<SharedUnionGain*> gain_;
   std::vector<std::vector<double>> value_;
-  size_t headings_ = 0;
 };
 
 std::unique_ptr<Accumulator> MakeAccumulator(const GainEntry& entry, double resolution_m, bool split) {

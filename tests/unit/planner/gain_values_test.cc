@@ -136,6 +136,20 @@ TEST(GainValues, UnknownVolumeCountsAVoxelOnce) {
   EXPECT_NEAR(GainOf("unknown_volume", {{kFreeUnknownHit, RayEnd::kOccupied}}), voxel, 1e-15);
 }
 
+TEST(GainValues, SurfaceFrontierCountsUnmeasuredPatchesOnceByTheRaysThatMeetThem) {
+  // Voxels of 5 cm over a depth of 30 cm: each is worth 5^3 / 30 cm^2; 6 rays give 1 - 1/e of it.
+  const double patch = kRes * kRes * kRes / 0.30, share = 1.0 - std::exp(-1.0);
+  EXPECT_NEAR(GainOf("surface_frontier", {{kFreeUnknownHit, RayEnd::kOccupied}}, 6.0), patch * share, 1e-9);
+  EXPECT_NEAR(GainOf("surface_frontier", {{kUnknown3, RayEnd::kVoid}, {kUnknown3, RayEnd::kVoid}}, 3.0),
+              3.0 * patch * share, 1e-9);
+  EXPECT_NEAR(GainOf("surface_frontier", {{Ray({0.1f, 0.4f, 0.5f}), RayEnd::kVoid}}, 1e6), patch, 1e-9)
+      << "measured but undecided is not counted";
+  EXPECT_EQ(GainOfRay("surface_frontier", Ray({0.1f, 0.7f, 0.5f}), RayEnd::kVoid), 0.0) << "likely a surface";
+  const auto deep = Ray({0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f});
+  EXPECT_NEAR(GainOf("surface_frontier", {{deep, RayEnd::kVoid}}, 1e6), 6.0 * patch, 1e-9)
+      << "down to its depth";
+}
+
 TEST(GainValues, UnknownNameSuggestsTheNearOne) {
   try {
     FindGain("oclusion_aware");
