@@ -6,6 +6,7 @@
 
 #include "core/lidar_model.h"
 #include "experiments/mission_metrics.h"
+#include "experiments/run_film.h"
 #include "experiments/stopwatch.h"
 #include "experiments/terrain_feed.h"
 #include "robots/robot_spec.h"
@@ -28,6 +29,7 @@ struct Mission {
         rng(options.seed),
         scene(scenes::LoadScene(config.scene.name)),
         robot(robots::LoadRobot(config.robot.name)),
+        film(config, options),
         metrics(config, options, scene, robot),
         simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
         mapper(mapping::MakeMapper(config.mapper, scene.object_box)),
@@ -39,6 +41,7 @@ struct Mission {
     simulator->SetSink(&feed);
     simulator->SetStop(options.should_stop);
     metrics.Attach(simulator.get());
+    film.Attach(simulator.get());
   }
 
   static sim::SimParams SimParamsFor(const ExperimentConfig& config, const RunOptions& options) {
@@ -62,6 +65,7 @@ struct Mission {
   core::Rng rng;
   scenes::SceneSpec scene;
   robots::RobotSpec robot;
+  RunFilm film;
   MissionMetrics metrics;
   std::unique_ptr<sim::Simulator> simulator;
   std::unique_ptr<mapping::Mapper> mapper;
@@ -88,22 +92,26 @@ std::optional<Ending> EndingOf(sim::MotionStatus status) {
   return std::nullopt;
 }
 
-/// Sweeps and integrates; the planner learns how much surface was new.
+/// Sweeps and integrates, the walk that led here first; the planner learns how much surface was new.
 std::optional<Ending> SweepAndIntegrate(Mission* m) {
   core::Sweep sweep;
   const Stopwatch sweeping;
+  m->feed.EndWalk();
   const sim::MotionStatus status = m->simulator->RollSweep(&sweep);
   if (const auto ending = EndingOf(status)) return ending;
   m->metrics.timing().sweep_wall_s = sweeping.seconds();
 
   const size_t before = m->mapper->view().OccupiedCenters().size();
   const Stopwatch integrating;
-  const core::PointCloud cloud = m->mapper->Integrate(sweep);
+  core::PointCloud cloud = m->mapper->Integrate(m->feed.TakeWalk());
+  const core::PointCloud swept = m->mapper->Integrate(sweep);
+  cloud.points.insert(cloud.points.end(), swept.points.begin(), swept.points.end());
   m->metrics.timing().integration_ms = 1e3 * integrating.seconds();
-  const size_t after = m->mapper->view().OccupiedCenters().size();
-  const size_t new_surface = after > before ? after - before : 0;
+  const std::vector<core::Vec3f> surface = m->mapper->view().OccupiedCenters();
+  const size_t new_surface = surface.size() > before ? surface.size() - before : 0;
   m->planner->OnSweep(m->T_map_base(), new_surface);
   m->metrics.ObserveSweep(cloud, m->T_map_base(), new_surface, *m->mapper);
+  m->film.ObserveMap(surface);
   return EndingOf(m->simulator->Stand(m->config.mission.integration_latency_s));
 }
 
@@ -134,6 +142,7 @@ std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDeci
 
 std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, int* failed_walks) {
   const planner::Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
+  if (m->config.mission.map_while_walking) m->feed.StartWalk();
   const Stopwatch walking;
   const sim::WalkResult walk = m->simulator->Walk({decision.path_map, view.yaw_rad}, &m->terrain);
   m->metrics.ObserveWalk(walk, walking.seconds());
@@ -153,6 +162,7 @@ Ending RunMission(Mission* m) {
     const planner::NbvDecision decision = PlanNextView(m);
     const auto ending = StopAfterPlanning(*m, decision);
     m->metrics.FinishScan(decision);
+    m->film.ObservePlan(decision);
     if (ending) return *ending;
     if (const auto stopped = EndingOf(m->simulator->Stand(m->config.mission.planning_latency_s)))
       return *stopped;
@@ -172,7 +182,9 @@ RunSummary RunClosedLoop(const ExperimentConfig& config, const RunOptions& optio
     mission.metrics.Finish(RunStatus::kFailed, StopReason::kError, *mission.mapper);
     throw;
   }
-  return mission.metrics.Finish(ending.status, ending.reason, *mission.mapper);
+  RunSummary summary = mission.metrics.Finish(ending.status, ending.reason, *mission.mapper);
+  mission.film.Finish();
+  return summary;
 }
 
 }  // namespace atlas::experiments

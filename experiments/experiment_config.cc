@@ -29,6 +29,8 @@ void MissionParams::Visit(core::ParamVisitor& v) {
            .doc = "a true point is covered by a measured one this near (Eq. 3.9)"});
   v.Field("truth_spacing_m", &truth_spacing_m,
           {.unit = "m", .min = 0.005, .max = 0.1, .doc = "spacing of the ground-truth cloud"});
+  v.Field("map_while_walking", &map_while_walking,
+          {.doc = "the map also takes the revolutions of the walk between views (thesis: sweeps only)"});
   v.Field("flat_coverage", &flat_coverage,
           {.min = 0.0, .max = 1.0, .doc = "completed only if the last rounds added less coverage than this"});
 }
@@ -81,6 +83,7 @@ ExperimentConfig LoadExperiment(const std::string& name_or_path,
   config.experiment = path.stem().string();
   source.Load(&config);
   config.planner = planner::DefaultParams(config.planner.name);  // each planner brings its own defaults
+  config.mission.map_while_walking = config.planner.name != "thesis";
   config.rows = source.Load(&config);
   return config;
 }
