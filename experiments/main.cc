@@ -25,6 +25,28 @@ void AddRun(CLI::App* app, RunArguments* arguments, Action* action) {
   run->callback([=] { *action = [=] { return RunCommand(*arguments); }; });
 }
 
+void AddRender(CLI::App* app, RenderArguments* arguments, Action* action) {
+  CLI::App* render = app->add_subcommand("render", "Video or picture of a recorded run, or of a scene");
+  render->add_option("run", arguments->what, "run folder; with --still also a scene (atlas list scenes)")
+      ->required();
+  render->add_option("--out", arguments->out,
+                     "FILE.mp4, or FILE.png with --still (default in the run folder)");
+  render->add_option("--speed", arguments->speed, "times real time")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  render->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  CLI::Option* still = render
+                           ->add_option("--still", arguments->still_time_s,
+                                        "a picture at this simulated time (s), or at the end")
+                           ->expected(0, 1);
+  render->add_option("--eye", arguments->eye, "X Y Z (m) of a camera that stays there")->expected(3);
+  render->add_option("--target", arguments->target, "X Y Z (m) that it looks at")->expected(3);
+  render->callback([=] {
+    arguments->still = still->count() > 0;
+    *action = [=] { return RenderCommand(*arguments); };
+  });
+}
+
 struct ListArguments {
   std::string what;
   bool verbose = false;
@@ -47,6 +69,26 @@ void AddExplain(CLI::App* app, RunArguments* arguments, Action* action) {
       [=] { *action = [=] { return ExplainCommand(arguments->experiment, arguments->assignments); }; });
 }
 
+void AddSweep(CLI::App* app, SweepArguments* arguments, Action* action) {
+  CLI::App* sweep =
+      app->add_subcommand("sweep", "Many runs, one process each; resumable; ends with its table");
+  sweep->add_option("name", arguments->name, "table_3_1, table_3_2 or FILE.yaml")->required();
+  sweep->add_option("--jobs", arguments->jobs, "runs at a time (default: as many as cores)")
+      ->check(CLI::Range(1, 1024));
+  sweep->add_option("--threads", arguments->threads, "threads of each run")->check(CLI::Range(1, 64));
+  sweep->add_option("--out", arguments->out, "folder (default runs/sweep_NAME)");
+  sweep->add_flag("--slurm", arguments->slurm, "hand the runs to a Slurm array");
+  sweep->callback([=] { *action = [=] { return SweepCommand(*arguments); }; });
+}
+
+void AddReport(CLI::App* app, ReportArguments* arguments, Action* action) {
+  CLI::App* report =
+      app->add_subcommand("report", "Tables, statistics, plots and one HTML page over run folders");
+  report->add_option("folders", arguments->folders, "run folders, or folders of them")->required();
+  report->add_option("--out", arguments->out, "where to (default: the first folder)");
+  report->callback([=] { *action = [=] { return ReportCommand(*arguments); }; });
+}
+
 struct BenchArguments {
   std::string what, scene;
 };
@@ -66,8 +108,14 @@ int Main(int argc, char** argv) {
   run.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   ListArguments list;
   AddRun(&app, &run, &action);
+  RenderArguments render;
+  AddRender(&app, &render, &action);
   AddList(&app, &list, &action);
   AddExplain(&app, &run, &action);
+  SweepArguments sweep;
+  AddSweep(&app, &sweep, &action);
+  ReportArguments report;
+  AddReport(&app, &report, &action);
   BenchArguments bench;
   AddBench(&app, &bench, &action);
   try {

@@ -81,7 +81,7 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
 void MissionMetrics::Attach(sim::Simulator* simulator) {
   simulator_ = simulator;
   recorder_->mutable_summary()->render_backend = simulator->render_backend();
-  simulator->SetStateObserver(
+  simulator->AddStateObserver(
       [this](const sim::Snapshot& state) {
         recorder_->AddPose(state.time_s, simulator_->TrueBasePose(), simulator_->T_odom_base());
       },

@@ -38,10 +38,8 @@ class WalkingSimulator : public Simulator {
   std::string render_backend() const override { return sensors_.render_backend(); }
   core::Pose TrueBasePose() const override { return locomotion_->T_map_base(); }
   Snapshot TrueState() const override { return {time_s(), locomotion_->world().qpos()}; }
-  void SetStateObserver(std::function<void(const Snapshot&)> observer, double rate_hz) override {
-    observer_ = std::move(observer);
-    observer_period_s_ = 1.0 / rate_hz;
-    next_observation_s_ = time_s();
+  void AddStateObserver(std::function<void(const Snapshot&)> observer, double rate_hz) override {
+    observers_.push_back({std::move(observer), 1.0 / rate_hz, time_s()});
   }
 
  private:
@@ -61,8 +59,11 @@ class WalkingSimulator : public Simulator {
   core::SensorSink* sink_ = nullptr;
   core::Sweep* sweep_ = nullptr;
   std::function<bool()> should_stop_;
-  std::function<void(const Snapshot&)> observer_;
-  double observer_period_s_ = 0.1, next_observation_s_ = 0.0;
+  struct StateObserver {
+    std::function<void(const Snapshot&)> hear;
+    double period_s, next_s;
+  };
+  std::vector<StateObserver> observers_;
 
   BodyRoll roll_;
   std::optional<RollProfile> profile_;  ///< while sweeping
@@ -88,9 +89,10 @@ void WalkingSimulator::Measure(double now_s) {
     distance_m_ += (p - p_last_).norm();
     p_last_ = p;
   }
-  if (observer_ && now_s >= next_observation_s_ - kTimeEps) {
-    next_observation_s_ += observer_period_s_;
-    observer_(TrueState());
+  for (StateObserver& observer : observers_) {
+    if (now_s < observer.next_s - kTimeEps) continue;
+    observer.next_s += observer.period_s;
+    observer.hear(TrueState());
   }
 }
 

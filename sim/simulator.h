@@ -27,7 +27,7 @@ struct LocomotionParams {
 };
 
 struct OdometryParams {
-  double drift_xy_per_m = 0.003;     ///< random walk, standard deviation a metre walked
+  double drift_xy_per_m = 0.003;  ///< random walk, standard deviation a metre walked
   double drift_yaw_deg_per_m = 0.02;
   double velocity_sigma_mps = 0.02;  ///< noise on the base velocity that the gait balances on
   double attitude_sigma_deg = 0.2;
@@ -111,7 +111,8 @@ class Simulator {
   // Ground truth, for experiments/metrics and video only.
   virtual core::Pose TrueBasePose() const = 0;
   virtual Snapshot TrueState() const = 0;
-  virtual void SetStateObserver(std::function<void(const Snapshot&)> observer, double rate_hz) = 0;
+  /// `observer` hears the state at `rate_hz` from now on, beside those added before.
+  virtual void AddStateObserver(std::function<void(const Snapshot&)> observer, double rate_hz) = 0;
 };
 
 /// Builds the world and puts the robot on its spawn pose, standing. @throws InputError for bad input.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,32 @@ struct RunArguments {
   bool video = false;
 };
 int RunCommand(const RunArguments& arguments);
+
+struct RenderArguments {
+  std::string what;  ///< run folder; for a still also a scene
+  std::filesystem::path out;
+  double speed = 8.0;  ///< times real time
+  std::string size = "960x540";
+  bool still = false;
+  std::optional<double> still_time_s;  ///< simulated; the run's end without one
+  std::vector<double> eye, target;     ///< map frame; empty: the camera finds its own place
+};
+int RenderCommand(const RenderArguments& arguments);
+
+struct SweepArguments {
+  std::string name;  ///< of experiments/configs/sweeps, or FILE.yaml
+  int jobs = 0;      ///< runs at a time; 0: as many as cores
+  int threads = 1;   ///< of each run
+  std::filesystem::path out;
+  bool slurm = false;
+};
+int SweepCommand(const SweepArguments& arguments);
+
+struct ReportArguments {
+  std::vector<std::filesystem::path> folders;
+  std::filesystem::path out;
+};
+int ReportCommand(const ReportArguments& arguments);
 
 int ListCommand(const std::string& what, bool verbose);
 int ExplainCommand(const std::string& experiment, const std::vector<std::string>& assignments);

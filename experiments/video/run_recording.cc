@@ -1,6 +1,8 @@
 #include "experiments/video/run_recording.h"
 
-#include <array>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <cstring>
 #include <set>
 
@@ -12,23 +14,16 @@ namespace {
 
 constexpr std::string_view kMagic = "SE-Atlas recording 1\n";
 
-/// Little-endian values one after the other; counts come before what they count.
-class Writer {
- public:
-  template <typename T>
-  void Put(const T& value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  void Put(const std::string& text) {
-    Put(static_cast<uint32_t>(text.size()));
-    bytes_ += text;
-  }
-  void PutRaw(std::string_view text) { bytes_ += text; }
-  const std::string& bytes() const { return bytes_; }
+/// Appends a value as it lies in memory (little-endian); counts come before what they count.
+template <typename T>
+void Put(std::string* out, const T& value) {
+  out->append(reinterpret_cast<const char*>(&value), sizeof value);
+}
 
- private:
-  std::string bytes_;
-};
+void PutText(std::string* out, const std::string& text) {
+  Put(out, static_cast<uint32_t>(text.size()));
+  *out += text;
+}
 
 class Reader {
  public:
@@ -64,42 +59,32 @@ class Reader {
 
 using Key = std::array<int16_t, 3>;
 
-std::set<Key> KeysOf(const std::vector<core::Vec3f>& centers, double resolution_m) {
-  std::set<Key> keys;
+std::vector<Key> KeysOf(const std::vector<core::Vec3f>& centers, double resolution_m) {
+  std::vector<Key> keys;
+  keys.reserve(centers.size());
   for (const core::Vec3f& p : centers) {
     Key key;
     for (int axis = 0; axis < 3; ++axis) {
       key[static_cast<size_t>(axis)] = static_cast<int16_t>(std::floor(p[axis] / resolution_m));
     }
-    keys.insert(key);
+    keys.push_back(key);
   }
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   return keys;
 }
 
-void PutKeys(Writer* out, const std::set<Key>& keys, const std::set<Key>& except) {
+void PutKeys(std::string* out, const std::vector<Key>& keys, const std::vector<Key>& except) {
   std::vector<Key> list;
   std::set_difference(keys.begin(), keys.end(), except.begin(), except.end(), std::back_inserter(list));
-  out->Put(static_cast<uint32_t>(list.size()));
-  for (const Key& key : list) out->Put(key);
+  Put(out, static_cast<uint32_t>(list.size()));
+  for (const Key& key : list) Put(out, key);
 }
 
 std::vector<Key> GetKeys(Reader* in) {
   std::vector<Key> keys(in->GetCount(sizeof(Key)));
   for (Key& key : keys) key = in->Get<Key>();
   return keys;
-}
-
-void PutView(Writer* out, const VideoKeyframe& keyframe) {
-  out->Put(static_cast<uint32_t>(keyframe.path_map.size()));
-  for (const core::Vec2& p : keyframe.path_map) {
-    out->Put(p.x());
-    out->Put(p.y());
-  }
-  out->Put(static_cast<uint8_t>(keyframe.view.has_value()));
-  if (!keyframe.view) return;
-  out->Put(keyframe.view->p_map.x());
-  out->Put(keyframe.view->p_map.y());
-  out->Put(keyframe.view->yaw_rad);
 }
 
 void GetView(Reader* in, VideoKeyframe* keyframe) {
@@ -118,30 +103,68 @@ void GetView(Reader* in, VideoKeyframe* keyframe) {
 
 }  // namespace
 
+RecordingWriter::RecordingWriter(const std::string& scene, const std::string& robot, double resolution_m)
+    : header_(kMagic), resolution_m_(resolution_m) {
+  PutText(&header_, scene);
+  PutText(&header_, robot);
+  Put(&header_, resolution_m);
+}
+
+void RecordingWriter::AddState(const sim::Snapshot& state) {
+  if (state_count_++ == 0) coordinates_ = static_cast<uint32_t>(state.qpos.size());
+  assert(state.qpos.size() == coordinates_);
+  Put(&states_, state.time_s);
+  for (const double q : state.qpos) Put(&states_, static_cast<float>(q));
+}
+
+void RecordingWriter::AddMap(double time_s, const std::vector<core::Vec3f>& occupied_map) {
+  PutKeyframe(time_s, KeysOf(occupied_map, resolution_m_), {}, std::nullopt);
+}
+
+void RecordingWriter::AddPlan(double time_s, const std::vector<core::Vec2>& path_map,
+                              const std::optional<ChosenView>& view) {
+  PutKeyframe(time_s, keys_, path_map, view);
+}
+
+void RecordingWriter::PutKeyframe(double time_s, std::vector<Key> keys,
+                                  const std::vector<core::Vec2>& path_map,
+                                  const std::optional<ChosenView>& view) {
+  ++keyframe_count_;
+  Put(&keyframes_, time_s);
+  PutKeys(&keyframes_, keys, keys_);  // appeared
+  PutKeys(&keyframes_, keys_, keys);  // vanished
+  keys_ = std::move(keys);
+  Put(&keyframes_, static_cast<uint32_t>(path_map.size()));
+  for (const core::Vec2& p : path_map) {
+    Put(&keyframes_, p.x());
+    Put(&keyframes_, p.y());
+  }
+  Put(&keyframes_, static_cast<uint8_t>(view.has_value()));
+  if (!view) return;
+  Put(&keyframes_, view->p_map.x());
+  Put(&keyframes_, view->p_map.y());
+  Put(&keyframes_, view->yaw_rad);
+}
+
+void RecordingWriter::Save(const std::filesystem::path& path) const {
+  std::string bytes = header_;
+  bytes.reserve(header_.size() + states_.size() + keyframes_.size() + 3 * sizeof(uint32_t));
+  Put(&bytes, coordinates_);
+  Put(&bytes, state_count_);
+  bytes += states_;
+  Put(&bytes, keyframe_count_);
+  bytes += keyframes_;
+  core::WriteFileAtomically(path, bytes);
+}
+
 void SaveRecording(const std::filesystem::path& path, const RunRecording& recording) {
-  Writer out;
-  out.PutRaw(kMagic);
-  out.Put(recording.scene);
-  out.Put(recording.robot);
-  out.Put(recording.resolution_m);
-  const size_t coordinates = recording.states.empty() ? 0 : recording.states.front().qpos.size();
-  out.Put(static_cast<uint32_t>(coordinates));
-  out.Put(static_cast<uint32_t>(recording.states.size()));
-  for (const sim::Snapshot& state : recording.states) {
-    out.Put(state.time_s);
-    for (size_t i = 0; i < coordinates; ++i) out.Put(static_cast<float>(state.qpos.at(i)));
-  }
-  out.Put(static_cast<uint32_t>(recording.keyframes.size()));
-  std::set<Key> before;
+  RecordingWriter writer(recording.scene, recording.robot, recording.resolution_m);
+  for (const sim::Snapshot& state : recording.states) writer.AddState(state);
   for (const VideoKeyframe& keyframe : recording.keyframes) {
-    std::set<Key> keys = KeysOf(keyframe.occupied_map, recording.resolution_m);
-    out.Put(keyframe.time_s);
-    PutKeys(&out, keys, before);  // appeared
-    PutKeys(&out, before, keys);  // vanished
-    PutView(&out, keyframe);
-    before = std::move(keys);
+    writer.PutKeyframe(keyframe.time_s, KeysOf(keyframe.occupied_map, recording.resolution_m),
+                       keyframe.path_map, keyframe.view);
   }
-  core::WriteFileAtomically(path, out.bytes());
+  writer.Save(path);
 }
 
 RunRecording LoadRecording(const std::filesystem::path& path) {

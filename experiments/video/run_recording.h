@@ -1,6 +1,8 @@
 // What a run leaves for its video: the robot's states and what it knew and wanted at each scan.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +12,9 @@
 #include "sim/simulator.h"
 
 namespace atlas::experiments {
+
+/// In a run folder.
+inline constexpr const char* kRecordingFile = "recording.bin";
 
 /// The view that was chosen: where the robot goes next.
 struct ChosenView {
@@ -25,7 +30,7 @@ struct VideoKeyframe {
   std::optional<ChosenView> view;
 };
 
-/// States every 20 to 100 ms of simulated time (Simulator::SetStateObserver), a keyframe after each sweep and
+/// States every 20 to 100 ms of simulated time (Simulator::AddStateObserver), a keyframe after each sweep and
 /// each plan; all by ascending time.
 struct RunRecording {
   std::string scene;  ///< as LoadScene takes it
@@ -35,7 +40,36 @@ struct RunRecording {
   std::vector<VideoKeyframe> keyframes;
 };
 
-/// Writes whole or not at all, about a tenth of a megabyte a minute. @throws InputError when that fails.
+/// Builds a recording file as the run goes, in the file's own compact form: voxels as differences between
+/// keyframes, about a tenth of a megabyte a minute.
+class RecordingWriter {
+ public:
+  RecordingWriter(const std::string& scene, const std::string& robot, double resolution_m);
+
+  /// @pre the same number of coordinates every time; ascending time.
+  void AddState(const sim::Snapshot& state);
+  /// The map as it is from now on. @pre ascending time.
+  void AddMap(double time_s, const std::vector<core::Vec3f>& occupied_map);
+  /// The plan as it is from now on, over the last map.
+  void AddPlan(double time_s, const std::vector<core::Vec2>& path_map, const std::optional<ChosenView>& view);
+
+  /// Writes what there is so far, whole or not at all. @throws InputError when that fails.
+  void Save(const std::filesystem::path& path) const;
+
+ private:
+  using Key = std::array<int16_t, 3>;
+
+  void PutKeyframe(double time_s, std::vector<Key> keys, const std::vector<core::Vec2>& path_map,
+                   const std::optional<ChosenView>& view);
+  friend void SaveRecording(const std::filesystem::path& path, const RunRecording& recording);
+
+  std::string header_, states_, keyframes_;
+  uint32_t coordinates_ = 0, state_count_ = 0, keyframe_count_ = 0;
+  double resolution_m_;
+  std::vector<Key> keys_;  ///< of the last map, sorted
+};
+
+/// A whole recording at once. @throws InputError when that fails.
 void SaveRecording(const std::filesystem::path& path, const RunRecording& recording);
 /// @throws InputError for a file that is missing, cut short or of another kind.
 RunRecording LoadRecording(const std::filesystem::path& path);

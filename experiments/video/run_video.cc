@@ -170,11 +170,16 @@ sim::RgbImage RunVideo::Frame(int frame) {
     ++m.keyframes_shown;
   if (m.keyframes_shown != shown) m.ShowKeyframe(keyframes[m.keyframes_shown - 1], p_base);
 
-  const sim::RenderCamera camera = m.camera.Advance(p_base, dt_s);
+  const sim::RenderCamera camera = m.params.camera.value_or(m.camera.Advance(p_base, dt_s));
   sim::RenderLight light;
   light.shadow_center = p_base;
   light.shadow_radius_m = kShadowRadiusM;
   return m.renderer->RenderRgb(camera, light, m.params.width, m.params.height, m.params.samples);
+}
+
+void RequireVideoTools() {
+  MakeRenderer();
+  FfmpegPipe({"-version"}).Finish();
 }
 
 void WriteRunVideo(const scenes::SceneSpec& scene, const robots::RobotSpec& robot,

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "experiments/video/run_recording.h"
 #include "robots/robot_spec.h"
@@ -16,8 +17,9 @@ struct VideoParams {
   int width = 960;
   int height = 540;
   double frames_per_second = 25.0;
-  double speed = 8.0;  ///< times real time
-  int samples = 4;     ///< a pixel: 1, 2 or 4
+  double speed = 8.0;                            ///< times real time
+  int samples = 4;                               ///< a pixel: 1, 2 or 4
+  std::optional<sim::RenderCamera> camera = {};  ///< stays here; without one a camera follows the robot
 };
 
 /// Renders a recording frame by frame.
@@ -37,6 +39,9 @@ class RunVideo {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// @throws InputError, with the reason, where no video can be made: no renderer or no ffmpeg.
+void RequireVideoTools();
 
 /// Renders all of it into an mp4. `progress` hears the share that is done. @throws InputError as RunVideo and
 /// VideoWriter do.

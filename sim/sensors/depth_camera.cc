@@ -10,6 +10,7 @@ namespace {
 /// The clip planes stand off the sensor's limits, so that the limits are applied to metres, not to clipping.
 constexpr double kNearShare = 0.25;
 constexpr double kFarMarginM = 0.05;
+constexpr float kSelfMarginM = 0.02f;
 
 /// Colours do not matter to depth.
 ColoredMesh Plain(const core::TriMesh& mesh) {
@@ -26,7 +27,21 @@ struct DepthCamera::Impl {
   std::unique_ptr<SceneRenderer> renderer;
   int first_body = 0;  ///< bodies follow the scene among the renderer's meshes
   int bodies = 0;
+
+  void MaskBodies(const RenderCamera& camera, std::vector<float>* depth_m);
 };
+
+/// What the bodies alone would show at the depth that was seen is the robot itself.
+void DepthCamera::Impl::MaskBodies(const RenderCamera& camera, std::vector<float>* depth_m) {
+  if (bodies == 0) return;
+  const int scene = first_body - 1;
+  renderer->SetVisible(scene, false);
+  const std::vector<float> own_m = renderer->RenderDepth(camera, model.width, model.height);
+  renderer->SetVisible(scene, true);
+  for (size_t i = 0; i < own_m.size(); ++i) {
+    if (own_m[i] <= (*depth_m)[i] + kSelfMarginM) (*depth_m)[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+}
 
 DepthCamera::DepthCamera(const scenes::SceneSpec& scene, const DepthCameraModel& model, const core::Rng& rng)
     : impl_(std::make_unique<Impl>()) {
@@ -79,6 +94,7 @@ core::DepthImage DepthCamera::Capture(const core::Pose& T_map_camera) {
   camera.near_m = kNearShare * model.min_depth_m;
   camera.far_m = model.max_depth_m + kFarMarginM;
   image.depth_m = impl_->renderer->RenderDepth(camera, model.width, model.height);
+  impl_->MaskBodies(camera, &image.depth_m);
 
   const uint64_t seed = core::HashCounter(impl_->noise_seed, impl_->captures++);
   for (size_t i = 0; i < image.depth_m.size(); ++i) {

@@ -38,8 +38,9 @@ class DepthCamera {
   int AddBody(const core::TriMesh& mesh_body);
   void SetBodyPose(int body, const core::Pose& T_map_body);
 
-  /// One image from `T_map_camera`. NaN nearer than min_depth_m, beyond max_depth_m and where nothing is. The
-  /// n-th capture of one seed always carries the same noise. @pre available()
+  /// One image from `T_map_camera`. NaN nearer than min_depth_m, beyond max_depth_m, where nothing is, and on
+  /// the robot's own bodies, which hide what is behind them. The n-th capture of one seed always carries the
+  /// same noise. @pre available()
   core::DepthImage Capture(const core::Pose& T_map_camera);
 
  private:

@@ -187,7 +187,7 @@ TEST(Simulator, FollowsItsPathWithinTenCentimetres) {
   SimParams params = FastParams();
   const auto sim = MakeSimulator(test::FlatScene(), robots::LoadRobot("quadruped"), params, core::Rng(4));
   double farthest = 0.0;
-  sim->SetStateObserver(
+  sim->AddStateObserver(
       [&](const Snapshot& snapshot) {
         const Vec2 p(snapshot.qpos[0], snapshot.qpos[1]);
         double nearest = 1e9;
