@@ -1,0 +1,33 @@
+#include <unistd.h>
+
+#include <iostream>
+
+#include "experiments/cli/commands.h"
+#include "experiments/experiment_config.h"
+#include "experiments/interrupt.h"
+#include "experiments/report/report.h"
+#include "experiments/sweep/sweep.h"
+
+namespace atlas::experiments {
+
+int SweepCommand(const SweepArguments& arguments) {
+  SweepOptions options;
+  options.jobs = arguments.jobs;
+  options.threads = arguments.threads;
+  options.out = arguments.out;
+  options.slurm = arguments.slurm;
+  options.terminal = isatty(STDOUT_FILENO) == 1;
+  options.should_stop = Interrupted;
+  options.validate = [](const std::string& experiment, const std::vector<std::string>& assignments) {
+    LoadExperiment(experiment, assignments);
+  };
+  const SweepSpec spec = LoadSweep(arguments.name);
+  InstallInterruptHandler();
+  return RunSweep(spec, options, std::cout);
+}
+
+int ReportCommand(const ReportArguments& arguments) {
+  return RunReport(arguments.folders, arguments.out, std::cout);
+}
+
+}  // namespace atlas::experiments
