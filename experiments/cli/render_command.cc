@@ -107,7 +107,7 @@ int RenderCommand(const RenderArguments& arguments) {
     out = OutputOf(arguments, run.stem().string() + ".png");
     RenderSceneAlone(scene, params, out);
   } else {
-    throw core::InputError("render: " + run.string() + ": no such run folder");
+    throw core::InputError("render: " + run.string() + ": no such run folder (a scene by itself: --still)");
   }
   std::cout << out.string() << "\n";
   return 0;

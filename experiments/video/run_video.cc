@@ -13,7 +13,8 @@ constexpr sim::Rgb kPathRgb = {250, 250, 250}, kViewRgb = {235, 70, 160}, kTrail
 constexpr double kPathRadiusM = 0.025, kTrailRadiusM = 0.018;
 constexpr double kTrailSpacingM = 0.08;
 constexpr double kPathSpacingM = 0.1;
-constexpr double kAboveGroundM = 0.06;  ///< lines lie this high
+constexpr double kVoxelsNearerM = 0.008;  ///< drawn, so that faces on a surface do not flicker with it
+constexpr double kAboveGroundM = 0.06;    ///< lines lie this high
 constexpr double kTrailAboveGroundM = 0.1;
 constexpr double kStepUpM = 0.8;  ///< the ground is looked for from this far above the last point
 constexpr double kShadowRadiusM = 14.0;
@@ -171,6 +172,9 @@ sim::RgbImage RunVideo::Frame(int frame) {
   if (m.keyframes_shown != shown) m.ShowKeyframe(keyframes[m.keyframes_shown - 1], p_base);
 
   const sim::RenderCamera camera = m.params.camera.value_or(m.camera.Advance(p_base, dt_s));
+  core::Pose T_map_voxels = core::Pose::Identity();
+  T_map_voxels.translation() = -kVoxelsNearerM * camera.T_map_camera.linear().col(2);
+  m.renderer->SetPose(m.voxels, T_map_voxels);
   sim::RenderLight light;
   light.shadow_center = p_base;
   light.shadow_radius_m = kShadowRadiusM;

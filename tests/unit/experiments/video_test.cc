@@ -87,6 +87,32 @@ TEST_F(VideoTest, RecordingSurvivesItsFile) {
   EXPECT_EQ(again.keyframes[0].view->p_map.x(), 2.0);
 }
 
+TEST_F(VideoTest, RecordingMadeAsTheRunGoesIsTheSameAndReadableAtAnyTime) {
+  const RunRecording run = ShortRun();
+  RecordingWriter writer(run.scene, run.robot, run.resolution_m);
+  const std::vector<core::Vec3f>& map = run.keyframes[0].occupied_map;
+  for (int i = 0; i < 15; ++i) writer.AddState(run.states[static_cast<size_t>(i)]);
+  writer.AddMap(1.0, {map.rbegin(), map.rend()});
+  writer.AddPlan(1.2, run.keyframes[0].path_map, run.keyframes[0].view);
+  writer.Save(folder_ / "run.bin");
+  const RunRecording early = LoadRecording(folder_ / "run.bin");
+  ASSERT_EQ(early.states.size(), 15u);
+  ASSERT_EQ(early.keyframes.size(), 2u);
+  EXPECT_TRUE(early.keyframes[0].path_map.empty());
+  EXPECT_EQ(early.keyframes[1].path_map, run.keyframes[0].path_map);
+  EXPECT_EQ(early.keyframes[1].occupied_map, early.keyframes[0].occupied_map);
+
+  for (int i = 15; i <= 40; ++i) writer.AddState(run.states[static_cast<size_t>(i)]);
+  writer.AddMap(3.0, run.keyframes[1].occupied_map);
+  writer.Save(folder_ / "run.bin");
+  RunRecording whole = run;
+  whole.keyframes = {{1.0, map, {}, std::nullopt},
+                     {1.2, map, run.keyframes[0].path_map, run.keyframes[0].view},
+                     {3.0, run.keyframes[1].occupied_map, {}, std::nullopt}};
+  SaveRecording(folder_ / "whole.bin", whole);
+  EXPECT_EQ(core::ReadFile(folder_ / "run.bin"), core::ReadFile(folder_ / "whole.bin"));
+}
+
 TEST_F(VideoTest, RecordingCutShortAnywhereIsRefused) {
   SaveRecording(folder_ / "run.bin", ShortRun());
   const std::string whole = core::ReadFile(folder_ / "run.bin");
