@@ -23,11 +23,15 @@ constexpr double kLatticeSpacing_m = 0.5;
 /// A view counts as the committed one within this distance and turn.
 constexpr double kSameView_m = 0.5;
 constexpr double kSameView_rad = core::Radians(50.0);
-/// Ways tried, best view first, before a plan gives up.
-constexpr int kMostPathTries = 10;
 
+bool DecidesBySurface(const NbvParams& params) {
+  return params.gain_share < 1.0;
+}
+
+/// The deciding gain, the surface where that decides too, and those asked for besides.
 std::vector<std::string> GainsAsked(const NbvParams& params) {
   std::vector<std::string> gains = {params.gain};
+  if (DecidesBySurface(params)) gains.emplace_back("surface_frontier");
   gains.insert(gains.end(), params.extra_gains.begin(), params.extra_gains.end());
   return gains;
 }
@@ -71,11 +75,12 @@ class Planner final : public NbvPlanner {
   CandidateTree PickPlaces(const Walkable& walkable, const core::Rng& rng) const;
   void EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable, const CandidateTree& tree,
                      NbvDecision* decision) const;
+  void ValueViews(NbvDecision* decision) const;
   void ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
                    const CandidateTree& tree, NbvDecision* decision) const;
   std::vector<int> RankViews(NbvDecision* decision) const;
-  void FindWay(const Walkable& walkable, const CandidateTree& tree, const std::vector<int>& ranked,
-               const core::Rng& rng, NbvDecision* decision) const;
+  void FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
+               NbvDecision* decision) const;
 
   NbvParams params_;
   core::Box3 object_box_;
@@ -91,7 +96,7 @@ class Planner final : public NbvPlanner {
 NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& map,
                           const TraversableGround& terrain) {
   const core::Rng rng = rng_.Split("plan" + std::to_string(plans_++));
-  const Walkable walkable(terrain, T_map_base.translation().head<2>());
+  const Walkable walkable(terrain, T_map_base.translation().head<2>(), params_.window_m);
   NbvDecision decision;
 
   const CandidateTree tree = PickPlaces(walkable, rng);
@@ -100,6 +105,7 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
   if (tree.nodes.empty()) return decision;
 
   EvaluateGains(map, walkable, tree, &decision);
+  ValueViews(&decision);
   ChargeCosts(T_map_base, map, walkable, tree, &decision);
   const std::vector<int> ranked = RankViews(&decision);
 
@@ -112,24 +118,19 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
     return decision;
   }
 
-  FindWay(walkable, tree, ranked, rng, &decision);
-  if (decision.outcome == NbvOutcome::kView) {
-    const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
-    memory_.Commit({view.p_map, view.yaw_rad});
-  } else {
-    memory_.Release();
-  }
+  FindWay(walkable, tree, ranked[0], rng, &decision);
+  const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
+  memory_.Commit({view.p_map, view.yaw_rad});
   return decision;
 }
 
 CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng) const {
-  CandidateTree rrt = RrtCandidates(walkable, params_.nodes, params_.rrt_step_m, rng.Split("rrt"));
-  if (params_.name == "thesis") return rrt;
-  // A lattice misses no corner that the RRT happens not to fill; the RRT's nodes are left out where it has
-  // any.
-  CandidateTree lattice = LatticeCandidates(walkable, kLatticeSpacing_m);
-  lattice.attempts += rrt.attempts;
-  return lattice.nodes.empty() ? rrt : lattice;
+  if (params_.name == "greedy") {
+    // A lattice misses no corner that an RRT happens not to fill.
+    CandidateTree lattice = LatticeCandidates(walkable, kLatticeSpacing_m);
+    if (!lattice.nodes.empty()) return lattice;
+  }
+  return RrtCandidates(walkable, params_.nodes, params_.rrt_step_m, rng.Split("rrt"));
 }
 
 void Planner::EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable,
@@ -152,12 +153,25 @@ void Planner::EvaluateGains(const mapping::OccupancyView& map, const Walkable& w
       c.node = places[i];
       c.path_length_m = tree.nodes[static_cast<size_t>(places[i])].path_length_m;
       c.gain = view.gain[0];
-      c.extra_gains.assign(view.gain.begin() + 1, view.gain.end());
+      const auto extra = view.gain.begin() + (DecidesBySurface(params_) ? 2 : 1);
+      c.surface_m2 = DecidesBySurface(params_) ? view.gain[1] : 0.0;
+      c.extra_gains.assign(extra, view.gain.end());
       c.gain_void = view.by_end[static_cast<size_t>(EndClass::kVoid)];
       c.gain_ground = view.by_end[static_cast<size_t>(EndClass::kGround)];
       c.gain_object = view.by_end[static_cast<size_t>(EndClass::kObject)];
       decision->candidates.push_back(c);
     }
+  }
+}
+
+/// What Eq. 3.1 takes for g_x.
+void Planner::ValueViews(NbvDecision* decision) const {
+  double most = 0.0;
+  for (const Candidate& c : decision->candidates) most = std::max(most, c.gain);
+  for (Candidate& c : decision->candidates) {
+    const double relative = most > 0.0 ? c.gain / most : 0.0;
+    c.worth =
+        DecidesBySurface(params_) ? c.surface_m2 * (1.0 - params_.gain_share * (1.0 - relative)) : c.gain;
   }
 }
 
@@ -184,7 +198,7 @@ void Planner::ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& 
       way = ContinuousTraversalCost(traversal_, WalkTime(traversal_, walkable, path, yaw, c.yaw_rad));
     }
     c.traversal_cost = CombineCosts(way, penalty);
-    c.utility = Utility(c.gain, c.position_cost, c.traversal_cost);
+    c.utility = Utility(c.worth, c.position_cost, c.traversal_cost);
   }
 }
 
@@ -216,27 +230,23 @@ std::vector<int> Planner::RankViews(NbvDecision* decision) const {
   return ranked;
 }
 
-void Planner::FindWay(const Walkable& walkable, const CandidateTree& tree, const std::vector<int>& ranked,
-                      const core::Rng& rng, NbvDecision* decision) const {
-  decision->outcome = NbvOutcome::kNoPath;
-  for (size_t i = 0; i < ranked.size() && i < kMostPathTries; ++i) {
-    Candidate& c = decision->candidates[static_cast<size_t>(ranked[i])];
-    const std::vector<Vec2> tree_path = tree.PathTo(c.node, walkable.start());
-    decision->path_map = PlanViewPath(walkable, tree_path, params_.rrt_star_iterations, rng.Split("path"));
-    decision->path_length_m = PathLength(decision->path_map);
-    decision->best = ranked[i];
-    decision->outcome = NbvOutcome::kView;
-    c.reason = LossReason::kChosen;
-    return;
-  }
+void Planner::FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
+                      NbvDecision* decision) const {
+  Candidate& c = decision->candidates[static_cast<size_t>(view)];
+  decision->path_map = PlanViewPath(walkable, tree.PathTo(c.node, walkable.start()),
+                                    params_.rrt_star_iterations, rng.Split("path"));
+  decision->path_length_m = PathLength(decision->path_map);
+  decision->best = view;
+  decision->outcome = NbvOutcome::kView;
+  c.reason = LossReason::kChosen;
 }
 
 }  // namespace
 
 const std::vector<PlannerEntry>& PlannerCatalog() {
   static const std::vector<PlannerEntry> catalog = {
-      {"thesis", "RRT nodes, utility Eq. 3.1 with discrete traversal cost (thesis 3.4, 3.5)"},
-      {"greedy", "lattice and RRT views, continuous traversal cost"},
+      {"thesis", "RRT views, occlusion aware gain, discrete traversal cost (thesis 3.4, 3.5)"},
+      {"greedy", "lattice views worth the surface they uncover, continuous traversal cost"},
   };
   return catalog;
 }
@@ -244,12 +254,14 @@ const std::vector<PlannerEntry>& PlannerCatalog() {
 NbvParams DefaultParams(const std::string& name) {
   NbvParams params;
   params.name = name;
-  if (name == "greedy") return params;
   if (name == "thesis") {
     params.gain = "occlusion_aware";
+    params.gain_share = 1.0;
     params.traversal = "discrete";
-    return params;
+    params.window_m = 12.0;
   }
+  params.terrain.window_m = params.window_m;
+  if (name == "thesis" || name == "greedy") return params;
   std::vector<std::string> names;
   for (const PlannerEntry& entry : PlannerCatalog()) names.push_back(entry.name);
   throw core::InputError(core::UnknownName("planner", name, names));

@@ -18,10 +18,14 @@ namespace atlas::planner {
 
 struct NbvParams {
   std::string name = "greedy";  ///< thesis | greedy
-  std::string gain = "surface_frontier";
+  std::string gain = "occlusion_aware_normalised";
+  /// Greedy: views are worth the surface that they uncover (surface_frontier), modulated by `gain`: of two
+  /// views that uncover alike, the one with the plan's best gain is worth up to this share more. 1 decides by
+  /// `gain` alone.
+  double gain_share = 0.3;
   std::vector<std::string> extra_gains;  ///< also computed and logged for every candidate, from the same rays
   int nodes = 150;
-  double window_m = 12.0;
+  double window_m = 16.0;  ///< side of the square about the robot that planning uses (thesis: 12)
   double rrt_step_m = 0.6;
   int headings = 8;
   int rays = 6000;  ///< per candidate inside the object box, at least
@@ -35,10 +39,10 @@ struct NbvParams {
   std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
   double time_scale_s = 60.0;            ///< continuous: travel of this long costs 1 - 1/e
   // Termination, Eq. 3.8 made scale-free.
-  double stop_ratio = 0.05;     ///< of the first view's utility
+  double stop_ratio = 0.025;    ///< of the first view's utility
   int stop_rounds = 2;          ///< low rounds in a row
   double flat_share = 0.01;     ///< a sweep that adds less of all surface seen so far counts as flat
-  int flat_rounds = 4;          ///< flat sweeps in a row that stop whatever views promise
+  int flat_rounds = 3;          ///< flat sweeps in a row that stop whatever views promise
   double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
   int blacklist_after = 2;      ///< views that gained nothing here so often are dropped
   int rrt_star_iterations = 800;
@@ -57,6 +61,8 @@ struct Candidate {
   int node = -1;               ///< RRT node it stands on
   double path_length_m = 0.0;  ///< along the tree
   double gain = 0.0;           ///< g_x of the deciding gain
+  double surface_m2 = 0.0;     ///< surface_frontier, where the planner decides by it
+  double worth = 0.0;          ///< what Eq. 3.1 takes for g_x: the gain, or the surface modulated by it
   std::vector<double> extra_gains;
   double gain_void = 0.0, gain_ground = 0.0,
          gain_object = 0.0;  ///< the deciding gain split by where its rays end

@@ -53,6 +53,10 @@ void NbvParams::Visit(core::ParamVisitor& v) {
   v.Field("gain", &gain, {.choices = GainNames(), .doc = "information gain that decides"});
   v.Field("extra_gains", &extra_gains,
           {.choices = GainNames(), .doc = "also computed from the same rays and logged for every candidate"});
+  v.Field("gain_share", &gain_share,
+          {.min = 0.0,
+           .max = 1.0,
+           .doc = "how far the gain modulates the surface that a view uncovers; 1: gain alone"});
   v.Field("nodes", &nodes, {.min = 1, .max = 10000, .doc = "places where views are evaluated (thesis: 150)"});
   v.Field("window_m", &window_m,
           {.unit = "m",

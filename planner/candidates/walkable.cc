@@ -16,8 +16,11 @@ constexpr double kInnerDisc_m = 0.35;
 
 }  // namespace
 
-Walkable::Walkable(const TraversableGround& ground, const Vec2& start)
+Walkable::Walkable(const TraversableGround& ground, const Vec2& start, double window_m)
     : ground_(ground), start_(start), window_(ground.Window()) {
+  const Vec2 half = Vec2::Constant(0.5 * window_m);
+  window_.min.head<2>() = window_.min.head<2>().cwiseMax(start - half);
+  window_.max.head<2>() = window_.max.head<2>().cwiseMin(start + half);
   cols_ = std::max(1, static_cast<int>(std::ceil(window_.Size().x() / kCell_m)));
   rows_ = std::max(1, static_cast<int>(std::ceil(window_.Size().y() / kCell_m)));
   const auto cells = static_cast<size_t>(cols_) * static_cast<size_t>(rows_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "planner/traversable_ground.h"
@@ -15,7 +16,10 @@ namespace atlas::planner {
 /// within 0.45 m of it count as free as long as the inner disc (0.35 m) there is traversable.
 class Walkable {
  public:
-  Walkable(const TraversableGround& ground, const core::Vec2& start);
+  /// Planning uses the part of the ground's window that lies in the square of side `window_m` about the
+  /// start.
+  Walkable(const TraversableGround& ground, const core::Vec2& start,
+           double window_m = std::numeric_limits<double>::infinity());
 
   /// The robot fits at any heading.
   bool CanStand(const core::Vec2& p_map) const;

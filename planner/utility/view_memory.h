@@ -23,8 +23,6 @@ class ViewMemory {
   void RecordSweep(const core::Pose& T_map_base, size_t new_surface);
   /// The plan sends the robot here.
   void Commit(const Promise& promise) { commitment_ = promise; }
-  /// There is no way to the commitment, or it is wanted no longer.
-  void Release() { commitment_.reset(); }
 
   /// Broken promises within 0.75 m.
   int BrokenPromisesNear(const core::Vec2& p_map) const;

@@ -78,7 +78,7 @@ TEST_P(EachPlanner, ChoosesTheBestUtilityAndKeepsWhatDecided) {
     chosen += c.reason == LossReason::kChosen;
     EXPECT_LE(c.utility, best.utility + 1e-12);
     EXPECT_EQ(c.position_cost, std::max(c.visited_cost, c.too_close_cost));
-    EXPECT_NEAR(c.utility, c.gain * (1 - c.position_cost) * (1 - c.traversal_cost), 1e-9 * (1 + c.gain));
+    EXPECT_NEAR(c.utility, c.worth * (1 - c.position_cost) * (1 - c.traversal_cost), 1e-9 * (1 + c.gain));
     EXPECT_NEAR(c.gain_void + c.gain_ground + c.gain_object, c.gain, 0.2 * c.gain + 1e-9);
   }
   EXPECT_EQ(chosen, 1);
@@ -191,6 +191,21 @@ TEST(NbvPlanner, ViewsThatBreakTheirPromisesAreDropped) {
   }
   EXPECT_EQ(chosen[0], chosen[1]);
   EXPECT_GT((chosen[2] - chosen[0]).norm(), 0.7);
+}
+
+TEST(NbvPlanner, TheWindowIsTheSmallerOfThePlannersAndTheTerrains) {
+  const auto map = NearSideMapped();
+  NbvParams params = SmallParams("greedy");
+  for (const double side : {4.0, 30.0}) {
+    params.window_m = side;
+    const auto planner = Make(params);
+    planner->OnSweep(kRobot, 500);
+    double farthest = 0.0;
+    for (const Candidate& c : planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0))).candidates) {
+      farthest = std::max(farthest, (c.p_map - Vec2(0.0, -3.0)).cwiseAbs().maxCoeff());
+    }
+    EXPECT_NEAR(farthest, 0.5 * std::min(side, 12.0), 0.5);
+  }
 }
 
 TEST(NbvPlanner, UnknownNamesAreRefused) {

@@ -99,10 +99,10 @@ TEST(Termination, StopsOnlyAfterLowRoundsInARowOnAFlatCurve) {
 
 TEST(Termination, DoesNotDependOnTheGainsScale) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
-    Termination t({});
-    for (const double u : {50.0, 30.0, 2.0}) t.Observe(scale * u, 0.0);
+    Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
+    for (const double u : {50.0, 30.0, 2.0}) t.Observe(scale * u, 0.02);
     EXPECT_FALSE(t.Exhausted());
-    t.Observe(scale * 1.0, 0.0);
+    t.Observe(scale * 1.0, 0.02);
     EXPECT_TRUE(t.Exhausted());
   }
 }
