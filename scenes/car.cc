@@ -51,8 +51,8 @@ void AddBody(SceneBuilder& scene) {
   scene.Convex(Object("body", Label::kVehicle),
                MakeProfileLoft({flank, shoulder, outline, outline, shoulder, flank},
                                {-0.88, -0.82, -0.62, 0.62, 0.82, 0.88}, SideOutline()));
-  // Floor between the wheel wells.
-  scene.Visual(Object("underside", Label::kVehicle), MakeBox(Vec3(2.0, 0.6, 0.2), At(Vec3(0, 0, 0.44))));
+  // The floor pan closes the wheel wells on the inside, up over their arches: no slit from side to side.
+  scene.Visual(Object("underside", Label::kVehicle), MakeBox(Vec3(2.0, 0.6, 0.255), At(Vec3(0, 0, 0.495))));
 }
 
 /// Four corners at height z: the greenhouse seen from above.

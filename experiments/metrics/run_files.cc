@@ -110,6 +110,7 @@ std::string TimingsCsv(const std::vector<TimingRow>& timings) {
 std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains) {
   std::string header =
       "scan,candidate,node,x_m,y_m,yaw_rad,ground_m,path_length_m,gain,gain_void,gain_ground,gain_object,"
+      "surface_m2,worth,"
       "visited_cost,too_close_cost,position_cost,traversal_cost,utility,reason";
   for (const std::string& name : extra_gains) header += ",gain_" + name;
   return header + "\n";
@@ -122,6 +123,7 @@ void AppendCandidateRows(int scan, const planner::NbvDecision& decision, size_t 
     *csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f},{:.6g},{:.6g},{:.6g},{:.6g},", scan, i,
                         c.node, c.p_map.x(), c.p_map.y(), c.yaw_rad, c.ground_m, c.path_length_m, c.gain,
                         c.gain_void, c.gain_ground, c.gain_object);
+    *csv += fmt::format("{:.6g},{:.6g},", c.surface_m2, c.worth);
     *csv += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.6g},{}", c.visited_cost, c.too_close_cost,
                         c.position_cost, c.traversal_cost, c.utility, NameOf(c.reason));
     for (size_t k = 0; k < extra_count; ++k) {
