@@ -35,19 +35,17 @@ bool IsFinal(RunStatus status);
 int ExitCodeOf(RunStatus status);
 
 // Keys of summary.json in order: text, then numbers. A key without a value is left out.
-#define ATLAS_SUMMARY_TEXT(X) \
-  X(experiment) X(scene) X(robot) X(locomotion) X(odometry) X(mapper) X(planner) X(gain)
+// clang-format off
+#define ATLAS_SUMMARY_TEXT(X) X(experiment) X(scene) X(robot) X(locomotion) X(odometry) X(mapper) X(planner) X(gain)
 #define ATLAS_SUMMARY_TEXT_MORE(X) X(version) X(commit) X(render_backend)
 #define ATLAS_SUMMARY_NUMBERS(X)                                                                           \
-  X(coverage)                                                                                              \
-  X(coverage_raw)                                                                                          \
-  X(coverage_attainable)                                                                                   \
-  X(coverage_of_attainable)                                                                                \
-  X(travel_distance_m)                                                                                     \
-  X(scans) X(sim_time_s) X(wall_time_s) X(real_time_factor) X(nbv_time_s_mean) X(nbv_time_s_p95)           \
-      X(integration_ms_mean) X(integration_ms_p95) X(map_bytes) X(peak_rss_bytes) X(submaps) X(falls)      \
-          X(collisions) X(cloud_error_m_mean) X(cloud_error_m_p95) X(map_error_m_mean) X(map_completeness) \
-              X(ate_m) X(ate_odometry_m) X(t50_s) X(t90_s) X(t95_s)
+  X(coverage) X(coverage_raw) X(coverage_attainable) X(coverage_of_attainable)                             \
+  X(travel_distance_m) X(scans) X(sim_time_s) X(wall_time_s) X(real_time_factor)                           \
+  X(nbv_time_s_mean) X(nbv_time_s_p95) X(integration_ms_mean) X(integration_ms_p95)                        \
+  X(map_bytes) X(peak_rss_bytes) X(submaps) X(falls) X(collisions)                                         \
+  X(cloud_error_m_mean) X(cloud_error_m_p95) X(map_error_m_mean) X(map_completeness)                       \
+  X(ate_m) X(ate_odometry_m) X(t50_s) X(t90_s) X(t95_s)
+// clang-format on
 
 /// SI units; shares in [0, 1]. t50_s, t90_s, t95_s: simulated time at which coverage_of_attainable reached
 /// 0.50, 0.90 and 0.95. Numbers that count (scans, bytes, falls) are written as integers.

@@ -29,8 +29,8 @@ class Gain {
   virtual double FinishView() = 0;
 };
 
-/// A gain that is a weighted sum over rays: RayValue is computed once a ray, whatever the number of views
-/// (headings of one node) that share it.
+/// A gain that is a weighted sum over rays (thesis Eq. 3.2): RayValue is computed once a ray, whatever the
+/// number of views (headings of one node) that share it.
 class RaySumGain : public Gain {
  public:
   /// What the ray contributes to a view at weight 1: finite, >= 0.
