@@ -32,7 +32,9 @@ void MissionParams::Visit(core::ParamVisitor& v) {
   v.Field("map_while_walking", &map_while_walking,
           {.doc = "the map also takes the revolutions of the walk between views (thesis: sweeps only)"});
   v.Field("flat_coverage", &flat_coverage,
-          {.min = 0.0, .max = 1.0, .doc = "completed only if the last rounds added less coverage than this"});
+          {.min = 0.0,
+           .max = 1.0,
+           .doc = "completed only if the last planner.stop_rounds scans added less coverage each"});
 }
 
 void OutputParams::Visit(core::ParamVisitor& v) {

@@ -180,7 +180,8 @@ void MissionMetrics::Report(const std::string& stage, bool final) const {
 bool MissionMetrics::CoverageIsFlat() const {
   const auto rounds = static_cast<size_t>(config_.planner.stop_rounds);
   if (coverage_.size() <= rounds) return false;
-  return coverage_.back() - coverage_[coverage_.size() - 1 - rounds] < config_.mission.flat_coverage;
+  const double added = coverage_.back() - coverage_[coverage_.size() - 1 - rounds];
+  return added < static_cast<double>(rounds) * config_.mission.flat_coverage;
 }
 
 }  // namespace atlas::experiments

@@ -19,7 +19,7 @@ struct MapperParams {
   double region_margin_m = 0.2;     ///< the map is kept in the object box grown by this
   double max_range_m = 20.0;        ///< longer returns count as misses along the trusted part of the ray
   std::string void_rays = "clear";  ///< clear (free to void_range_m) | ignore (the thesis's filtered clouds)
-  double void_range_m = 12.0;       ///< a void ray is trusted this far
+  double void_range_m = 20.0;       ///< a void ray is trusted this far
   double downsample_m = 0.015;      ///< filter: at most one point a cell of this size
   double hit_probability = 0.7;
   double miss_probability = 0.4;

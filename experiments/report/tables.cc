@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "experiments/report/thesis_anchors.h"
 
@@ -74,6 +75,12 @@ std::vector<std::string> GroupRow(const RunGroup& g) {
           StatusOf(g)};
 }
 
+/// What was mapped: the experiment, or the scene that was put in its place.
+std::string ObjectOf(const RunSummary& run) {
+  if (run.scene.empty() || run.scene == run.experiment) return run.experiment;
+  return std::filesystem::path(run.scene).stem().string();
+}
+
 std::vector<std::string> ThesisCells(const ThesisRow& row) {
   return {fmt::format("  thesis, Table {}", row.table),
           std::string(row.gain),
@@ -126,12 +133,12 @@ std::vector<RunGroup> GroupRuns(const std::vector<LabelledRun>& runs) {
   std::vector<RunGroup> groups;
   for (const auto& [run, variant] : runs) {
     const auto same = [&](const RunGroup& g) {
-      return g.experiment == run.experiment && g.gain == run.gain && g.planner == run.planner &&
+      return g.experiment == ObjectOf(run) && g.gain == run.gain && g.planner == run.planner &&
              g.mapper == run.mapper && g.locomotion == run.locomotion && g.variant == variant;
     };
     auto group = std::find_if(groups.begin(), groups.end(), same);
     if (group == groups.end()) {
-      groups.push_back({run.experiment, run.gain, run.planner, run.mapper, run.locomotion, variant, {}});
+      groups.push_back({ObjectOf(run), run.gain, run.planner, run.mapper, run.locomotion, variant, {}});
       group = groups.end() - 1;
     }
     group->runs.push_back(run);
@@ -163,7 +170,7 @@ TextTable RunsTable(const std::vector<RunSummary>& runs) {
   TextTable table = EmptyGroupTable();
   table.heading[13] = "seed";
   for (const RunSummary& run : runs) {
-    RunGroup group{run.experiment, run.gain, run.planner, run.mapper, run.locomotion, "", {run}};
+    RunGroup group{ObjectOf(run), run.gain, run.planner, run.mapper, run.locomotion, "", {run}};
     table.rows.push_back(GroupRow(group));
     table.rows.back()[13] = fmt::format("{}", run.seed);
   }
