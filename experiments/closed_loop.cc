@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <future>
 #include <optional>
 
 #include "core/lidar_model.h"
@@ -18,7 +19,7 @@ namespace {
 using core::Pose;
 using planner::NbvOutcome;
 
-constexpr double kTerrainRefreshPeriodS = 0.5;
+constexpr double kTerrainRefreshPeriodS = 1.0;
 constexpr int kMaxFailedWalks = 3;
 
 /// Everything that takes part in a mission, built from its configuration.
@@ -92,21 +93,37 @@ std::optional<Ending> EndingOf(sim::MotionStatus status) {
   return std::nullopt;
 }
 
-/// Sweeps and integrates, the walk that led here first; the planner learns how much surface was new.
+/// What an integration gave, and the time it took.
+struct Integrated {
+  core::PointCloud cloud;
+  double seconds = 0.0;
+};
+
+Integrated IntegrateTimed(mapping::Mapper* mapper, const core::Sweep& sweep) {
+  const Stopwatch integrating;
+  Integrated result{mapper->Integrate(sweep), 0.0};
+  result.seconds = integrating.seconds();
+  return result;
+}
+
+/// Sweeps, and integrates the walk that led here meanwhile (with a second thread) and the sweep after it; the
+/// planner learns how much surface was new.
 std::optional<Ending> SweepAndIntegrate(Mission* m) {
+  const size_t before = m->mapper->view().OccupiedCenters().size();
+  const auto policy = m->options.threads > 1 ? std::launch::async : std::launch::deferred;
+  std::future<Integrated> walked =
+      std::async(policy, [m, walk = m->feed.TakeWalk()] { return IntegrateTimed(m->mapper.get(), walk); });
   core::Sweep sweep;
   const Stopwatch sweeping;
-  m->feed.EndWalk();
   const sim::MotionStatus status = m->simulator->RollSweep(&sweep);
   if (const auto ending = EndingOf(status)) return ending;
   m->metrics.timing().sweep_wall_s = sweeping.seconds();
 
-  const size_t before = m->mapper->view().OccupiedCenters().size();
-  const Stopwatch integrating;
-  core::PointCloud cloud = m->mapper->Integrate(m->feed.TakeWalk());
-  const core::PointCloud swept = m->mapper->Integrate(sweep);
-  cloud.points.insert(cloud.points.end(), swept.points.begin(), swept.points.end());
-  m->metrics.timing().integration_ms = 1e3 * integrating.seconds();
+  Integrated integrated = walked.get();
+  const Integrated swept = IntegrateTimed(m->mapper.get(), sweep);
+  core::PointCloud& cloud = integrated.cloud;
+  cloud.points.insert(cloud.points.end(), swept.cloud.points.begin(), swept.cloud.points.end());
+  m->metrics.timing().integration_ms = 1e3 * (integrated.seconds + swept.seconds);
   const std::vector<core::Vec3f> surface = m->mapper->view().OccupiedCenters();
   const size_t new_surface = surface.size() > before ? surface.size() - before : 0;
   m->planner->OnSweep(m->T_map_base(), new_surface);
@@ -145,6 +162,7 @@ std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, i
   if (m->config.mission.map_while_walking) m->feed.StartWalk();
   const Stopwatch walking;
   const sim::WalkResult walk = m->simulator->Walk({decision.path_map, view.yaw_rad}, &m->terrain);
+  m->feed.EndWalk();
   m->metrics.ObserveWalk(walk, walking.seconds());
   if (const auto ending = EndingOf(walk.status)) return ending;
   *failed_walks = walk.status == sim::MotionStatus::kStuck ? *failed_walks + 1 : 0;

@@ -28,7 +28,7 @@ struct NbvParams {
   double window_m = 16.0;  ///< side of the square about the robot that planning uses (thesis: 12)
   double rrt_step_m = 0.6;
   int headings = 8;
-  int rays = 6000;  ///< per candidate inside the object box, at least
+  int rays = 5000;  ///< per candidate inside the object box, at least
   double max_range_m = 20.0;
   // Position cost (Eq. 3.7) as two terms; the maximum of both equals the thesis's at equal thresholds.
   bool visited_cost = true;
@@ -41,7 +41,7 @@ struct NbvParams {
   // Termination, Eq. 3.8 made scale-free.
   double stop_ratio = 0.05;     ///< of the first view's utility
   int stop_rounds = 2;          ///< low rounds in a row
-  double flat_share = 0.01;     ///< a sweep that adds less of all surface seen so far counts as flat
+  double flat_share = 0.02;     ///< a sweep that adds less of all surface seen so far counts as flat
   int flat_rounds = 3;          ///< flat sweeps in a row that stop whatever views promise
   double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
   int blacklist_after = 2;      ///< views that gained nothing here so often are dropped

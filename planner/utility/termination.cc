@@ -4,7 +4,7 @@ namespace atlas::planner {
 namespace {
 
 /// A sweep that adds more of the surface than this speaks against stopping, whatever views promise.
-constexpr double kStillGrowing = 0.05;
+constexpr double kStillGrowing = 0.03;
 
 }  // namespace
 
