@@ -113,8 +113,7 @@ TEST(HouseRules, EquationIndexOfTheReadmeIsTrue) {
 }
 
 TEST(HouseRules, SourcesAreFormatted) {
-  if (std::system("clang-format --version > /dev/null 2>&1") != 0)
-    GTEST_SKIP() << "clang-format is not installed";
+  ASSERT_EQ(std::system("clang-format --version > /dev/null 2>&1"), 0) << "clang-format is not installed";
   const std::string command =
       "cd '" + kRoot.string() +
       "' && git ls-files '*.h' '*.cc' | xargs clang-format --dry-run -Werror > /dev/null 2>&1";
