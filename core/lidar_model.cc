@@ -1,7 +1,6 @@
 #include "core/lidar_model.h"
 
 #include "core/errors.h"
-#include "core/geometry.h"
 
 namespace atlas::core {
 namespace {
@@ -56,6 +55,20 @@ LidarModel Os0() {
 }
 
 }  // namespace
+
+double LidarModel::StepRad() const {
+  return column_step_rad != 0.0 ? column_step_rad : -2.0 * kPi / columns;
+}
+
+double LidarModel::AzimuthRad(int row, int column) const {
+  return first_azimuth_rad + StepRad() * column + azimuth_offset_rad[static_cast<size_t>(row)];
+}
+
+Vec3 LidarModel::Direction(int row, int column) const {
+  const double azimuth = AzimuthRad(row, column), elevation = elevation_rad[static_cast<size_t>(row)];
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+          std::sin(elevation)};
+}
 
 std::vector<std::string> LidarModelNames() {
   return {"vlp16", "os1_64", "os0_64"};

@@ -34,7 +34,8 @@ class PoseTrajectory {
   std::vector<StampedPose> poses_;
 };
 
-/// One revolution, organised: ray i = row * columns + column.
+/// One revolution. Organised: ray i = row * columns + column. Unorganised (recorded clouds without a grid):
+/// rows = 0 and `columns` rays in any order, each with its own direction.
 struct LidarScan {
   double stamp_s = 0.0;  ///< start of the revolution
   int rows = 0;
@@ -47,6 +48,7 @@ struct LidarScan {
   float max_range_m = 0.0f;
 
   size_t size() const { return kind.size(); }
+  bool organised() const { return rows > 0; }
 };
 
 /// A revolution and where the odometry says that the LiDAR was while it lasted.
