@@ -1,0 +1,67 @@
+// From a revolution of a LiDAR to updates of the octree (thesis 4.5).
+//
+// Two ways in: organised scans whose beams follow a table go through a spherical projection, where free space
+// is decided cone by cone at the scale that the beams support (4.5.1) and surfaces by Eq. 4.2; unorganised
+// clouds are cast ray by ray with bit masks. Both undistort by per-ray poses (4.5.3), take void rays as free
+// evidence and give the same map whatever the number of threads and the SIMD width of the machine.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/lidar_model.h"
+#include "core/params.h"
+#include "core/sensor_events.h"
+#include "mapping/octree/octree.h"
+
+namespace atlas::mapping {
+
+struct IntegratorParams {
+  double max_range_m = 60.0;        ///< longer returns are misses up to here
+  std::string void_rays = "clear";  ///< clear (free to void_range_m) | ignore
+  double void_range_m = 20.0;       ///< a void ray is trusted this far
+  // Eq. 4.2: sigma(d) = max(sigma_min, lambda_sigma d); L_min in front of -3 sigma, a ramp through the
+  // surface, flat from lambda_r d / 2, nothing behind lambda_r d.
+  double sigma_min_m = 0.015;
+  double lambda_sigma = 0.0005;
+  double lambda_r = 0.02;
+  double behind_min_voxels = 1.5;  ///< lambda_r d is at least this
+  double behind_max_m = 0.25;  ///< and at most this: far returns must not thicken walls into the next room
+  double miss_nats = 0.4;      ///< -L_min a scan
+  double truncation_voxels = 3.0;  ///< TSDF: at scale 1; grows with the scale of integration
+  int max_scale = 4;               ///< largest cell side inside a block, voxels: 1, 2 or 4
+  bool lossless = false;  ///< collapse only what is equal; else all-free leaves keep their least free value
+  bool motion_aware = true;              ///< per-ray poses; off: one pose a scan (thesis Fig. 4.8)
+  double remap_stop_rad = 0.001;         ///< the search for the nearest ray ends here (4.5.3)
+  std::optional<core::Box3> region_map;  ///< nothing is kept outside, where given
+  int threads = 1;
+  void Visit(core::ParamVisitor& v);
+};
+
+/// What one call did, for benches and progress.
+struct IntegrationStats {
+  double image_ms = 0.0, hit_ms = 0.0, fill_ms = 0.0;  ///< CPU
+  size_t rays = 0, hits = 0, blocks_free = 0, blocks_mixed = 0;
+};
+
+template <typename Field>
+class ScanIntegrator {
+ public:
+  virtual ~ScanIntegrator() = default;
+  /// Integrates one revolution. Poses are T_map_odom * scan.T_odom_lidar at each ray's own time. Summaries
+  /// of the octree are current afterwards and written blocks are marked dirty.
+  virtual void Integrate(const core::SpinEvent& spin, const core::Pose& T_map_odom, Octree<Field>* map) = 0;
+  virtual const IntegrationStats& stats() const = 0;
+};
+
+/// For organised scans of this LiDAR. @throws InputError where a parameter or the beam table is out of range
+/// (fewer than 2 rows or 16 columns, elevations that coincide).
+template <typename Field>
+std::unique_ptr<ScanIntegrator<Field>> MakeConeIntegrator(const IntegratorParams& params,
+                                                          const core::LidarModel& lidar);
+/// For any cloud: each ray by itself, free space exactly along it.
+template <typename Field>
+std::unique_ptr<ScanIntegrator<Field>> MakeRayIntegrator(const IntegratorParams& params);
+
+}  // namespace atlas::mapping

@@ -1,0 +1,19 @@
+// Surfaces of an octree as triangles: marching cubes across scales, without cracks.
+#pragma once
+
+#include "core/mesh.h"
+#include "mapping/octree/octree.h"
+
+namespace atlas::mapping {
+
+struct MeshOptions {
+  double min_component_m2 = 0.0;  ///< connected pieces smaller than this are left out
+  int threads = 1;
+};
+
+/// The zero level of log-odds (occupied inside) or of the signed distance; only where all corners are
+/// observed. Vertices are shared, in metres in the map's frame; triangles face free space.
+template <typename Field>
+core::TriMesh ExtractMesh(const Octree<Field>& map, const MeshOptions& options);
+
+}  // namespace atlas::mapping

@@ -1,0 +1,306 @@
+#include "mapping/octree/octree.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace atlas::mapping {
+namespace {
+
+/// The node of a block whose cells are held one by one.
+template <typename Field, typename Cells>
+typename Field::Node NodeOfCells(const Cells& cells, int count) {
+  using Node = typename Field::Node;
+  // Pairwise, so that halves have like weight in the mean.
+  std::array<Node, kBlockVoxels> node;
+  for (int i = 0; i < count; ++i) node[static_cast<size_t>(i)] = Field::NodeOf(cells.Get(i));
+  for (int n = count; n > 1; n /= 2) {
+    for (int i = 0; i < n / 2; ++i) {
+      const auto k = static_cast<size_t>(2 * i);
+      node[static_cast<size_t>(i)] = Field::Merge(node[k], node[k + 1]);
+    }
+  }
+  return node[0];
+}
+
+/// Vectorises; equal to the general one.
+template <int N>
+OccupancyField::Node NodeOfOccupancy(const OccupancyField::Cells<N>& cells) {
+  int max = OccupancyField::kNoneObserved;
+  int zeros = 0;
+  for (int i = 0; i < N; ++i) {
+    const int v = cells.log_odds[i];
+    zeros += v == 0;
+    max = std::max(max, v == 0 ? OccupancyField::kNoneObserved : v);
+  }
+  return {static_cast<int8_t>(max), zeros > 0};
+}
+
+template <typename Field, int N>
+typename Field::Node Summarise(const typename Field::template Cells<N>& cells) {
+  if constexpr (std::is_same_v<Field, OccupancyField>) {
+    return NodeOfOccupancy<N>(cells);
+  } else {
+    return NodeOfCells<Field>(cells, N);
+  }
+}
+
+template <typename Field>
+typename Field::Node MergeEight(const typename Field::Node* child) {
+  const auto a = Field::Merge(Field::Merge(child[0], child[1]), Field::Merge(child[2], child[3]));
+  const auto b = Field::Merge(Field::Merge(child[4], child[5]), Field::Merge(child[6], child[7]));
+  return Field::Merge(a, b);
+}
+
+template <int N, typename Cells>
+bool AllEqual(const Cells& cells) {
+  for (int i = 1; i < N; ++i) {
+    if (!(cells.Get(i) == cells.Get(0))) return false;
+  }
+  return true;
+}
+
+template <typename Visit>
+void ForEachBit(const BlockMask& mask, const Visit& visit) {
+  for (int word = 0; word < 8; ++word) {
+    for (uint64_t bits = mask.bits[static_cast<size_t>(word)]; bits != 0; bits &= bits - 1) {
+      visit(64 * word + __builtin_ctzll(bits));
+    }
+  }
+}
+
+}  // namespace
+
+template <typename Field>
+Octree<Field>::Octree(double resolution_m)
+    : resolution_m_(resolution_m),
+      inverse_resolution_(1.0 / resolution_m),
+      fine_(std::make_unique<SlabPool<FineLeaf>>()),
+      coarse_(std::make_unique<SlabPool<CoarseLeaf>>()) {
+  if (!(resolution_m >= 0.001 && resolution_m <= 10.0)) {
+    throw std::invalid_argument("octree resolution outside 0.001 to 10 m");
+  }
+}
+
+template <typename Field>
+Octree<Field>::Octree(Octree&&) noexcept = default;
+template <typename Field>
+Octree<Field>& Octree<Field>::operator=(Octree&&) noexcept = default;
+template <typename Field>
+Octree<Field>::~Octree() = default;
+
+template <typename Field>
+const typename Octree<Field>::Chunk* Octree<Field>::Find(const NodeKey& chunk) const {
+  const auto found = chunks_.find(ChunkCode(chunk));
+  return found == chunks_.end() ? nullptr : found->second.get();
+}
+
+template <typename Field>
+typename Octree<Field>::Chunk* Octree<Field>::Find(const NodeKey& chunk) {
+  const auto found = chunks_.find(ChunkCode(chunk));
+  return found == chunks_.end() ? nullptr : found->second.get();
+}
+
+template <typename Field>
+typename Octree<Field>::Chunk* Octree<Field>::FindOrCreate(const NodeKey& chunk) {
+  std::unique_ptr<Chunk>& slot = chunks_[ChunkCode(chunk)];
+  if (!slot) {
+    slot = std::make_unique<Chunk>();
+    slot->key = chunk;
+    slot->uniform.Fill(Field::Unknown());
+  }
+  return slot.get();
+}
+
+template <typename Field>
+void Octree<Field>::Erase(const NodeKey& key, int worker) {
+  Chunk* chunk = Find(key);
+  if (chunk == nullptr) return;
+  ForEachBit(chunk->fine,
+             [&](int block) { fine_->Free(chunk->detail->leaf[static_cast<size_t>(block)], worker); });
+  ForEachBit(chunk->coarse,
+             [&](int block) { coarse_->Free(chunk->detail->leaf[static_cast<size_t>(block)], worker); });
+  chunks_.erase(ChunkCode(key));
+}
+
+template <typename Field>
+std::vector<const typename Octree<Field>::Chunk*> Octree<Field>::Chunks() const {
+  std::vector<std::pair<uint64_t, const Chunk*>> order;
+  order.reserve(chunks_.size());
+  for (const auto& [code, chunk] : chunks_) order.emplace_back(code, chunk.get());
+  std::sort(order.begin(), order.end());
+  std::vector<const Chunk*> chunks;
+  chunks.reserve(order.size());
+  for (const auto& [code, chunk] : order) chunks.push_back(chunk);
+  return chunks;
+}
+
+template <typename Field>
+typename Field::Value Octree<Field>::At(const NodeKey& voxel) const {
+  const Chunk* chunk = Find(voxel.Up(kChunkLevel));
+  if (chunk == nullptr) return Field::Unknown();
+  const int block = BlockIndexOf(voxel);
+  const int index = VoxelIndex(voxel.x, voxel.y, voxel.z);
+  switch (chunk->Kind(block)) {
+    case BlockKind::kUniform:
+      return chunk->uniform.Get(block);
+    case BlockKind::kCoarse:
+      return Coarse(*chunk, block).Get(CellOfVoxel(index));
+    case BlockKind::kFine:
+      return Fine(*chunk, block).Get(index);
+  }
+  return Field::Unknown();
+}
+
+template <typename Field>
+void Octree<Field>::Set(const NodeKey& voxel, Value value, int worker) {
+  Chunk* chunk = FindOrCreate(voxel.Up(kChunkLevel));
+  const int block = BlockIndexOf(voxel);
+  MakeFine(chunk, block, worker).Set(VoxelIndex(voxel.x, voxel.y, voxel.z), value);
+  chunk->dirty.Set(block);
+}
+
+template <typename Field>
+typename Octree<Field>::Chunk::Detail* Octree<Field>::DetailOf(Chunk* chunk) {
+  if (!chunk->detail) chunk->detail = std::make_unique<typename Chunk::Detail>();
+  return chunk->detail.get();
+}
+
+template <typename Field>
+typename Octree<Field>::CoarseLeaf& Octree<Field>::MakeCoarse(Chunk* chunk, int block, int worker) {
+  if (!chunk->coarse.Test(block)) {
+    const uint32_t leaf = coarse_->Allocate(worker);
+    (*coarse_)[leaf].Fill(chunk->uniform.Get(block));
+    DetailOf(chunk)->leaf[static_cast<size_t>(block)] = leaf;
+    chunk->coarse.Set(block);
+  }
+  return Coarse(chunk, block);
+}
+
+template <typename Field>
+typename Octree<Field>::FineLeaf& Octree<Field>::MakeFine(Chunk* chunk, int block, int worker) {
+  if (chunk->fine.Test(block)) return Fine(chunk, block);
+  const uint32_t leaf = fine_->Allocate(worker);
+  FineLeaf& fine = (*fine_)[leaf];
+  Expand(*chunk, block, &fine);
+  typename Chunk::Detail* detail = DetailOf(chunk);
+  if (chunk->coarse.Test(block)) {
+    coarse_->Free(detail->leaf[static_cast<size_t>(block)], worker);
+    chunk->coarse.Clear(block);
+  }
+  detail->leaf[static_cast<size_t>(block)] = leaf;
+  chunk->fine.Set(block);
+  return fine;
+}
+
+template <typename Field>
+void Octree<Field>::MakeUniform(Chunk* chunk, int block, Value value, int worker) {
+  if (chunk->fine.Test(block)) {
+    fine_->Free(chunk->detail->leaf[static_cast<size_t>(block)], worker);
+    chunk->fine.Clear(block);
+  } else if (chunk->coarse.Test(block)) {
+    coarse_->Free(chunk->detail->leaf[static_cast<size_t>(block)], worker);
+    chunk->coarse.Clear(block);
+  }
+  chunk->uniform.Set(block, value);
+}
+
+template <typename Field>
+void Octree<Field>::Expand(const Chunk& chunk, int block, FineLeaf* out) const {
+  switch (chunk.Kind(block)) {
+    case BlockKind::kUniform:
+      out->Fill(chunk.uniform.Get(block));
+      return;
+    case BlockKind::kCoarse: {
+      const CoarseLeaf& coarse = Coarse(chunk, block);
+      for (int i = 0; i < kBlockVoxels; ++i) out->Set(i, coarse.Get(CellOfVoxel(i)));
+      return;
+    }
+    case BlockKind::kFine:
+      *out = Fine(chunk, block);
+      return;
+  }
+}
+
+template <typename Field>
+void Octree<Field>::Propagate(Chunk* chunk, const BlockMask& which) {
+  uint64_t parents = 0;  // a bit a level 4 node
+  ForEachBit(which, [&](int block) {
+    parents |= uint64_t{1} << (block >> 3);
+    if (chunk->fine.Test(block)) {
+      chunk->detail->block[static_cast<size_t>(block)] = Summarise<Field, kBlockVoxels>(Fine(chunk, block));
+    } else if (chunk->coarse.Test(block)) {
+      chunk->detail->block[static_cast<size_t>(block)] = Summarise<Field, 64>(Coarse(chunk, block));
+    }
+  });
+  if (parents == 0) return;
+  for (uint64_t bits = parents; bits != 0; bits &= bits - 1) {
+    const int node = __builtin_ctzll(bits);
+    std::array<Node, 8> child;
+    for (int i = 0; i < 8; ++i) child[static_cast<size_t>(i)] = chunk->BlockNode(8 * node + i);
+    chunk->level4[static_cast<size_t>(node)] = MergeEight<Field>(child.data());
+  }
+  for (size_t i = 0; i < 8; ++i) chunk->level5[i] = MergeEight<Field>(chunk->level4.data() + 8 * i);
+  chunk->level6 = MergeEight<Field>(chunk->level5.data());
+}
+
+template <typename Field>
+void Octree<Field>::CollapseEqual(Chunk* chunk, const BlockMask& which, int worker) {
+  ForEachBit(which, [&](int block) {
+    if (chunk->fine.Test(block)) {
+      const FineLeaf& leaf = Fine(chunk, block);
+      if (AllEqual<kBlockVoxels>(leaf)) MakeUniform(chunk, block, leaf.Get(0), worker);
+    } else if (chunk->coarse.Test(block)) {
+      const CoarseLeaf& leaf = Coarse(chunk, block);
+      if (AllEqual<64>(leaf)) MakeUniform(chunk, block, leaf.Get(0), worker);
+    }
+  });
+}
+
+template <typename Field>
+std::vector<std::pair<NodeKey, BlockMask>> Octree<Field>::TakeChanges() {
+  std::vector<std::pair<uint64_t, Chunk*>> order;
+  for (const auto& [code, chunk] : chunks_) {
+    if (chunk->dirty.Any()) order.emplace_back(code, chunk.get());
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::pair<NodeKey, BlockMask>> changes;
+  changes.reserve(order.size());
+  for (const auto& [code, chunk] : order) {
+    changes.emplace_back(chunk->key, chunk->dirty);
+    chunk->dirty = BlockMask{};
+  }
+  return changes;
+}
+
+template <typename Field>
+void Octree<Field>::SetWorkers(int workers) {
+  fine_->SetWorkers(workers);
+  coarse_->SetWorkers(workers);
+}
+
+template <typename Field>
+size_t Octree<Field>::Bytes() const {
+  constexpr size_t kTableEntry = 4 * sizeof(void*);  // bucket, node, code, pointer
+  size_t bytes = sizeof(*this) + chunks_.size() * (sizeof(Chunk) + kTableEntry);
+  for (const auto& [code, chunk] : chunks_) {
+    if (chunk->detail) bytes += sizeof(typename Chunk::Detail);
+  }
+  return bytes + fine_->in_use() * sizeof(FineLeaf) + coarse_->in_use() * sizeof(CoarseLeaf);
+}
+
+template <typename Field>
+typename Octree<Field>::Counts Octree<Field>::Count() const {
+  Counts counts{chunks_.size(), fine_->in_use(), coarse_->in_use(), 0};
+  for (const auto& [code, chunk] : chunks_) {
+    for (int block = 0; block < kChunkBlocks; ++block) {
+      if (chunk->Kind(block) != BlockKind::kUniform) continue;
+      counts.uniform_known += Field::Known(chunk->uniform.Get(block));
+    }
+  }
+  return counts;
+}
+
+template class Octree<OccupancyField>;
+template class Octree<TsdfField>;
+
+}  // namespace atlas::mapping

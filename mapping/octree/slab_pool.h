@@ -1,0 +1,83 @@
+// Fixed-size cells out of large slabs, by index; a cache a worker, so that threads rarely meet.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+namespace atlas::mapping {
+
+/// Indices stay valid until freed; references too. Workers allocate and free at the same time, each through
+/// its own number; a cell is read only by who owns it. Cells come uninitialised.
+template <typename T>
+class SlabPool {
+ public:
+  explicit SlabPool(int workers = 1) : slabs_(kMaxSlabs), caches_(static_cast<size_t>(workers)) {}
+
+  /// Room for `workers` callers at a time; never shrinks. Not while others allocate.
+  void SetWorkers(int workers) {
+    if (static_cast<size_t>(workers) > caches_.size()) caches_.resize(static_cast<size_t>(workers));
+  }
+
+  T& operator[](uint32_t index) { return slabs_[index >> kSlabBits].get()[index & kSlabMask]; }
+  const T& operator[](uint32_t index) const { return slabs_[index >> kSlabBits].get()[index & kSlabMask]; }
+
+  uint32_t Allocate(int worker) {
+    Cache& cache = caches_[static_cast<size_t>(worker)];
+    ++cache.in_use;
+    if (!cache.free.empty()) {
+      const uint32_t index = cache.free.back();
+      cache.free.pop_back();
+      return index;
+    }
+    if (cache.next == cache.end) TakeSlab(&cache);
+    return cache.next++;
+  }
+  void Free(uint32_t index, int worker) {
+    Cache& cache = caches_[static_cast<size_t>(worker)];
+    --cache.in_use;
+    cache.free.push_back(index);
+  }
+
+  size_t in_use() const {
+    int64_t sum = 0;
+    for (const Cache& cache : caches_) sum += cache.in_use;
+    return static_cast<size_t>(sum);
+  }
+  /// What was taken from the system, used or not.
+  size_t ReservedBytes() const { return taken_ * sizeof(T) << kSlabBits; }
+
+ private:
+  static constexpr uint32_t kSlabBits = 11;
+  static constexpr uint32_t kSlabMask = (1u << kSlabBits) - 1;
+  static constexpr size_t kMaxSlabs = size_t{1} << 15;
+  struct Release {
+    void operator()(T* p) const { ::operator delete (p, std::align_val_t{alignof(T)}); }
+  };
+  struct alignas(64) Cache {
+    std::vector<uint32_t> free;
+    uint32_t next = 0, end = 0;
+    int64_t in_use = 0;  ///< negative where a worker freed what others allocated
+  };
+
+  void TakeSlab(Cache* cache) {
+    const std::lock_guard lock(mutex_);
+    if (taken_ == kMaxSlabs) throw std::bad_alloc();
+    slabs_[taken_].reset(
+        static_cast<T*>(::operator new (sizeof(T) << kSlabBits, std::align_val_t{alignof(T)})));
+    cache->next = static_cast<uint32_t>(taken_) << kSlabBits;
+    cache->end = cache->next + (1u << kSlabBits);
+    ++taken_;
+  }
+
+  std::vector<std::unique_ptr<T, Release>> slabs_;  // never resized: readers need no lock
+  std::vector<Cache> caches_;
+  std::mutex mutex_;
+  size_t taken_ = 0;
+};
+
+}  // namespace atlas::mapping
