@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 
 #include "core/errors.h"
@@ -22,26 +21,43 @@ fs::path InstallRoot() {
 
 }  // namespace
 
-void WriteFileAtomically(const fs::path& path, std::string_view content) {
+AtomicFile::AtomicFile(fs::path path)
+    : path_(std::move(path)), beside_(path_.string() + fmt::format(".tmp{}", ::getpid())) {
   std::error_code error;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  const fs::path beside = path.string() + fmt::format(".tmp{}", ::getpid());
-  {
-    std::ofstream out(beside, std::ios::binary | std::ios::trunc);
-    out.write(content.data(), static_cast<std::streamsize>(content.size()));
-    out.flush();
-    if (!out) {
-      const std::string reason = std::strerror(errno);
-      fs::remove(beside, error);
-      throw InputError(fmt::format("{}: cannot write ({})", path.string(), reason));
-    }
-  }
-  fs::rename(beside, path, error);
-  if (error) {
-    const std::string reason = error.message();
-    fs::remove(beside, error);
-    throw InputError(fmt::format("{}: cannot write ({})", path.string(), reason));
-  }
+  if (path_.has_parent_path()) fs::create_directories(path_.parent_path(), error);
+  out_.open(beside_, std::ios::binary | std::ios::trunc);
+  if (!out_) Fail(std::strerror(errno));
+}
+
+AtomicFile::~AtomicFile() {
+  if (committed_) return;
+  std::error_code error;
+  out_.close();
+  fs::remove(beside_, error);
+}
+
+void AtomicFile::Fail(const std::string& reason) {
+  throw InputError(fmt::format("{}: cannot write ({})", path_.string(), reason));
+}
+
+void AtomicFile::Write(std::string_view content) {
+  out_.write(content.data(), static_cast<std::streamsize>(content.size()));
+  if (!out_) Fail(std::strerror(errno));
+}
+
+void AtomicFile::Commit() {
+  out_.close();
+  if (!out_) Fail(std::strerror(errno));
+  std::error_code error;
+  fs::rename(beside_, path_, error);
+  if (error) Fail(error.message());
+  committed_ = true;
+}
+
+void WriteFileAtomically(const fs::path& path, std::string_view content) {
+  AtomicFile file(path);
+  file.Write(content);
+  file.Commit();
 }
 
 std::string ReadFile(const fs::path& path) {

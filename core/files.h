@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -10,6 +11,25 @@ namespace atlas::core {
 /// Writes `content` to `path`, creating parent folders. @throws InputError naming the path when that fails; a
 /// file that was there before is then untouched.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view content);
+
+/// The same for content that is too large to hold at once: written beside the target, renamed over it by
+/// Commit. What was not committed leaves nothing behind.
+class AtomicFile {
+ public:
+  /// @throws InputError naming the path when it cannot be written; so does Write, and Commit.
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  void Write(std::string_view content);
+  void Commit();
+
+ private:
+  [[noreturn]] void Fail(const std::string& reason);
+  std::filesystem::path path_, beside_;
+  std::ofstream out_;
+  bool committed_ = false;
+};
 
 /// The whole file. @throws InputError "PATH: no such file" or the like.
 std::string ReadFile(const std::filesystem::path& path);
