@@ -1,6 +1,7 @@
 #include "mapping/octree/octree.h"
 
 #include <algorithm>
+#include <cassert>
 #include <stdexcept>
 
 namespace atlas::mapping {
@@ -167,6 +168,7 @@ typename Octree<Field>::Chunk::Detail* Octree<Field>::DetailOf(Chunk* chunk) {
 
 template <typename Field>
 typename Octree<Field>::CoarseLeaf& Octree<Field>::MakeCoarse(Chunk* chunk, int block, int worker) {
+  assert(!chunk->fine.Test(block));
   if (!chunk->coarse.Test(block)) {
     const uint32_t leaf = coarse_->Allocate(worker);
     (*coarse_)[leaf].Fill(chunk->uniform.Get(block));

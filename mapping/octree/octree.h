@@ -111,7 +111,7 @@ class Octree {
   const CoarseLeaf& Coarse(const Chunk& chunk, int block) const {
     return (*coarse_)[chunk.detail->leaf[static_cast<size_t>(block)]];
   }
-  /// Splits a block down to that kind, keeping every voxel's value; a finer one stays as it is.
+  /// Splits a block down to that kind, keeping every voxel's value. @pre for MakeCoarse: it is not fine.
   CoarseLeaf& MakeCoarse(Chunk* chunk, int block, int worker);
   FineLeaf& MakeFine(Chunk* chunk, int block, int worker);
   /// Makes a block uniform, giving its leaf back.
