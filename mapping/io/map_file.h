@@ -6,6 +6,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <variant>
 
 #include "core/mesh.h"
@@ -23,9 +25,14 @@ using AnyOctree = std::variant<OccupancyOctree, TsdfOctree>;
 /// @throws InputError (one line: file, field, value, limit) for a wrong magic, a future version, a flipped
 /// bit or a truncated file. Summaries are current.
 AnyOctree ReadMap(const std::filesystem::path& path);
+/// The same of a file's content; `file` is the name used in errors.
+AnyOctree ParseMap(std::string_view bytes, const std::string& file);
+/// Whether the file begins as a map file does.
+bool IsMapFile(const std::filesystem::path& path);
 
-/// OctoMap's .bt (maximum likelihood) or .ot (log-odds), by the extension; uniform blocks as pruned nodes.
-/// Signed distances are written as their sign.
+/// OctoMap's .bt (maximum likelihood) or .ot (log-odds), by the extension: written as a stream, nodes of one
+/// value pruned, so that memory does not grow with the map. Signed distances are written as their sign.
+/// @throws InputError for another extension, an empty map or one beyond OctoMap's 2^16 voxels a side.
 template <typename Field>
 void ExportOctomap(const std::filesystem::path& path, const Octree<Field>& map);
 
