@@ -20,7 +20,6 @@ void AppendBytes(std::string& out, const void* data, size_t size) {
 void TriMesh::Append(const TriMesh& other) {
   const auto base = static_cast<uint32_t>(vertices.size());
   vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
-  triangles.reserve(triangles.size() + other.triangles.size());
   for (const auto& t : other.triangles) triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
 }
 

@@ -62,6 +62,10 @@ struct SceneSpec {
   core::Box3
       object_box;     ///< where the object is (known a priori, thesis 3.6.2); gains and mapping stay in it
   core::Box3 bounds;  ///< everything
+  /// The robot moves inside what is to be mapped (rooms, a campus): the object box holds the spawn and all of
+  /// the ground, and every part is the object's unless it lies outside.
+  bool is_space = false;
+  double truth_spacing_m = 0.01;  ///< of ground-truth clouds where nothing else is asked for
 };
 
 }  // namespace atlas::scenes

@@ -91,6 +91,24 @@ SceneSpec SceneBuilder::Finish(const core::Vec2& spawn_xy, double spawn_yaw_rad)
   return std::move(scene_);
 }
 
+SceneSpec SceneBuilder::FinishSpace(const core::Vec2& spawn_xy, double spawn_yaw_rad,
+                                    double truth_spacing_m) {
+  SceneSpec scene = Finish(spawn_xy, spawn_yaw_rad);
+  scene.is_space = true;
+  scene.truth_spacing_m = truth_spacing_m;
+  constexpr double kBelowGround_m = 0.15;
+  double lowest = 0.0;
+  for (const ScenePart& part : scene.parts) {
+    for (const CollisionShape& shape : part.collision) {
+      const auto* grid = std::get_if<HeightGridShape>(&shape.shape);
+      if (grid == nullptr) continue;
+      for (float height : grid->height_m) lowest = std::min(lowest, static_cast<double>(height));
+    }
+  }
+  scene.object_box.min.z() = lowest - kBelowGround_m;
+  return scene;
+}
+
 Pose SideOutline(double y) {
   core::Mat3 R;
   R.col(0) = Vec3::UnitX();

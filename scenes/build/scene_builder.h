@@ -43,6 +43,8 @@ class SceneBuilder {
   /// Sets the bounds, and the object box: the object's parts with a margin of 0.15 m, from 4 cm above the
   /// ground.
   SceneSpec Finish(const core::Vec2& spawn_xy, double spawn_yaw_rad);
+  /// As Finish, for a space that the robot moves in: the object box takes in the ground and its relief.
+  SceneSpec FinishSpace(const core::Vec2& spawn_xy, double spawn_yaw_rad, double truth_spacing_m);
 
  private:
   ScenePart& PartOf(const Paint& paint);

@@ -38,11 +38,16 @@ TEST_P(EveryScene, SpawnIsFreeOnTheGroundAndClearOfTheObject) {
     }
   }
   const double distance = scene_.object_box.DistanceTo(T.translation() + Vec3(0, 0, 0.5));
+  if (scene_.is_space) {
+    EXPECT_EQ(distance, 0.0);
+    return;
+  }
   EXPECT_GE(distance, 2.0);
   EXPECT_LE(distance, 3.5);
 }
 
 TEST_P(EveryScene, ObjectBoxIsTightAndExcludesTheGround) {
+  if (scene_.is_space) return;
   const GroundTruth truth = SampleGroundTruth(scene_, 0.05);
   core::Box3 extent;
   for (const core::Vec3f& p : truth.points) {
@@ -58,6 +63,21 @@ TEST_P(EveryScene, ObjectBoxIsTightAndExcludesTheGround) {
   EXPECT_TRUE(scene_.bounds.Contains(scene_.object_box.Center()));
 }
 
+TEST_P(EveryScene, OfASpaceHasItsGroundAndNearlyAllItsTruthInTheBox) {
+  if (!scene_.is_space) return;
+  EXPECT_GT(scene_.truth_spacing_m, 0.01);
+  const GroundTruth truth = SampleGroundTruth(scene_, 6.0 * scene_.truth_spacing_m);
+  size_t inside = 0, low = 0;
+  for (const core::Vec3f& p : truth.points) {
+    inside += scene_.object_box.Contains(p.cast<double>());
+    low += std::abs(p.z()) < 0.1f;
+  }
+  EXPECT_GT(static_cast<double>(inside), 0.95 * static_cast<double>(truth.points.size()));
+  EXPECT_GT(static_cast<double>(low), 0.05 * static_cast<double>(truth.points.size()));
+  EXPECT_TRUE(scene_.bounds.Inflated(0.2).Contains(scene_.object_box.min));
+  EXPECT_TRUE(scene_.bounds.Inflated(0.2).Contains(scene_.object_box.max));
+}
+
 TEST_P(EveryScene, KeepsPhysicsLightAndItsHullsConvex) {
   size_t shapes = 0;
   for (const ScenePart& part : scene_.parts) {
@@ -70,7 +90,7 @@ TEST_P(EveryScene, KeepsPhysicsLightAndItsHullsConvex) {
       }
     }
   }
-  EXPECT_LE(shapes, 150u);
+  EXPECT_LE(shapes, scene_.is_space ? 400u : 150u);
 }
 
 TEST_P(EveryScene, BoxShapesFillExactlyWhatRaysSee) {

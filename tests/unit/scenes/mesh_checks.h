@@ -22,13 +22,18 @@ inline int UnpairedEdges(const core::TriMesh& mesh) {
   return unpaired;
 }
 
+/// What a triangle adds to the volume by the divergence theorem with the field (x, 0, 0).
+inline double FluxOf(const core::Vec3& a, const core::Vec3& b, const core::Vec3& c) {
+  return (a.x() + b.x() + c.x()) / 3.0 * 0.5 * (b - a).cross(c - a).x();
+}
+
 /// Volume by the divergence theorem with the field (x, 0, 0).
 inline double VolumeByFlux(const core::TriMesh& mesh) {
   double volume = 0.0;
   for (const auto& t : mesh.triangles) {
     const core::Vec3 a = mesh.vertices[t[0]].cast<double>(), b = mesh.vertices[t[1]].cast<double>(),
                      c = mesh.vertices[t[2]].cast<double>();
-    volume += (a.x() + b.x() + c.x()) / 3.0 * 0.5 * (b - a).cross(c - a).x();
+    volume += FluxOf(a, b, c);
   }
   return volume;
 }
@@ -45,14 +50,14 @@ inline double LeastShellVolume(const core::TriMesh& mesh) {
     root[find(t[0])] = find(t[1]);
     root[find(t[1])] = find(t[2]);
   }
-  std::map<uint32_t, core::TriMesh> shells;
+  std::map<uint32_t, double> volume;
   for (const auto& t : mesh.triangles) {
-    core::TriMesh& shell = shells[find(t[0])];
-    if (shell.vertices.empty()) shell.vertices = mesh.vertices;
-    shell.triangles.push_back(t);
+    const core::Vec3 a = mesh.vertices[t[0]].cast<double>(), b = mesh.vertices[t[1]].cast<double>(),
+                     c = mesh.vertices[t[2]].cast<double>();
+    volume[find(t[0])] += FluxOf(a, b, c);
   }
   double least = 1e300;
-  for (const auto& [id, shell] : shells) least = std::min(least, VolumeByFlux(shell));
+  for (const auto& [id, cubic_metres] : volume) least = std::min(least, cubic_metres);
   return least;
 }
 
