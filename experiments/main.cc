@@ -100,6 +100,28 @@ void AddBench(CLI::App* app, BenchArguments* arguments, Action* action) {
   bench->callback([=] { *action = [=] { return BenchCommand(arguments->what, arguments->scene); }; });
 }
 
+void AddRecord(CLI::App* app, RecordArguments* arguments, Action* action) {
+  CLI::App* record = app->add_subcommand(
+      "record", "Carry a LiDAR along a route through a scene; writes a data set for atlas map");
+  record->add_option("scene", arguments->scene, "name (atlas list scenes) or path/scene.yaml")->required();
+  record->add_option("--route", arguments->route, "FILE.yaml (default: the scene's own)");
+  record->add_option("--lidar", arguments->lidar, "vlp16, os1_64 or os0_64")->capture_default_str();
+  record->add_option("--out", arguments->out, "folder (default runs/record/SCENE)");
+  record->add_option("--scans", arguments->scans, "so many, evenly over the way (default: the route's)")
+      ->check(CLI::Range(1, 100000));
+  record->add_option("--rate", arguments->rate_hz, "recorded revolutions a second (Hz)");
+  record->add_option("--speed", arguments->speed_m_s, "m/s (default: the route's)")
+      ->check(CLI::Range(0.01, 30.0));
+  record->add_option("--truth-spacing", arguments->truth_spacing_m, "m between truth points; 0: no truth.ply")
+      ->check(CLI::Range(0.0, 10.0));
+  record->add_option("--seed", arguments->seed, "seed of the noise");
+  record->add_option("--noise", arguments->noise, "on or off: range noise and dropouts")
+      ->capture_default_str();
+  record->add_option("--threads", arguments->threads, "threads; results do not depend on it")
+      ->check(CLI::Range(1, 64));
+  record->callback([=] { *action = [=] { return RecordCommand(*arguments); }; });
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("SE-Atlas testbed: active mapping with a walking robot in simulation", "atlas");
   app.require_subcommand(1);
@@ -116,6 +138,9 @@ int Main(int argc, char** argv) {
   AddSweep(&app, &sweep, &action);
   ReportArguments report;
   AddReport(&app, &report, &action);
+  RecordArguments record;
+  record.threads = run.threads;
+  AddRecord(&app, &record, &action);
   BenchArguments bench;
   AddBench(&app, &bench, &action);
   try {

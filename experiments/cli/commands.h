@@ -46,6 +46,20 @@ struct ReportArguments {
 };
 int ReportCommand(const ReportArguments& arguments);
 
+struct RecordArguments {
+  std::string scene;
+  std::filesystem::path route;  ///< empty: the scene's own
+  std::string lidar = "os1_64";
+  std::filesystem::path out;  ///< empty: runs/record/SCENE
+  std::optional<int> scans;
+  std::optional<double> rate_hz, speed_m_s;
+  std::optional<double> truth_spacing_m;  ///< 0: no truth
+  uint64_t seed = 1;
+  std::string noise = "on";
+  int threads = 2;
+};
+int RecordCommand(const RecordArguments& arguments);
+
 int ListCommand(const std::string& what, bool verbose);
 int ExplainCommand(const std::string& experiment, const std::vector<std::string>& assignments);
 int BenchCommand(const std::string& what, const std::string& scene);
