@@ -7,6 +7,7 @@
 #include "planner/candidates/candidates.h"
 #include "planner/gain/gain.h"
 #include "planner/gain/view_evaluator.h"
+#include "planner/global/roadmap.h"
 #include "planner/path/view_path.h"
 #include "planner/utility/costs.h"
 #include "planner/utility/termination.h"
@@ -72,7 +73,7 @@ class Planner final : public NbvPlanner {
                    const TraversableGround& terrain) override;
 
  private:
-  CandidateTree PickPlaces(const Walkable& walkable, const core::Rng& rng) const;
+  CandidateTree PickPlaces(const Walkable& walkable, const core::Rng& rng);
   void EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable, const CandidateTree& tree,
                      NbvDecision* decision) const;
   void ValueViews(NbvDecision* decision) const;
@@ -89,6 +90,7 @@ class Planner final : public NbvPlanner {
   int threads_;
   core::Rng rng_;
   ViewMemory memory_;
+  Roadmap roadmap_{kLatticeSpacing_m};
   Termination termination_;
   int plans_ = 0;
 };
@@ -124,10 +126,14 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
   return decision;
 }
 
-CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng) const {
+CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng) {
   if (params_.name == "greedy") {
     // A lattice misses no corner that an RRT happens not to fill.
     CandidateTree lattice = LatticeCandidates(walkable, kLatticeSpacing_m);
+    if (params_.roadmap) {
+      roadmap_.Learn(lattice);
+      roadmap_.Extend(&lattice);
+    }
     if (!lattice.nodes.empty()) return lattice;
   }
   return RrtCandidates(walkable, params_.nodes, params_.rrt_step_m, rng.Split("rrt"));
@@ -138,9 +144,9 @@ void Planner::EvaluateGains(const mapping::OccupancyView& map, const Walkable& w
   const std::vector<int> places = SpreadOut(tree.nodes, walkable.start(), params_.nodes);
   std::vector<ViewNode> nodes;
   for (const int place : places) {
-    const Vec2& p = tree.nodes[static_cast<size_t>(place)].p_map;
-    nodes.push_back({Vec3(p.x(), p.y(), walkable.ground().SurfaceAt(p).height_m),
-                     HeadingsAt(p, object_box_, params_.headings)});
+    const CandidateNode& node = tree.nodes[static_cast<size_t>(place)];
+    const Vec2& p = node.p_map;
+    nodes.push_back({Vec3(p.x(), p.y(), node.ground_m), HeadingsAt(p, object_box_, params_.headings)});
   }
   const auto gains = evaluator_.Evaluate(map, nodes, threads_, &decision->rays_traced);
   for (size_t i = 0; i < nodes.size(); ++i) {

@@ -26,6 +26,8 @@ struct NbvParams {
   std::vector<std::string> extra_gains;  ///< also computed and logged for every candidate, from the same rays
   int nodes = 150;
   double window_m = 16.0;  ///< side of the square about the robot that planning uses (thesis: 12)
+  /// Greedy: places found walkable by earlier plans stay candidates beyond the window.
+  bool roadmap = false;
   double rrt_step_m = 0.6;
   int headings = 8;
   int rays = 5000;  ///< per candidate inside the object box, at least

@@ -46,6 +46,7 @@ CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, 
     const double before =
         node.parent >= 0 ? result.nodes[static_cast<size_t>(node.parent)].path_length_m : 0.0;
     node.path_length_m = before + (node.p_map - tree.points[static_cast<size_t>(tree.parent[i])]).norm();
+    node.ground_m = walkable.ground().SurfaceAt(node.p_map).height_m;
     result.nodes.push_back(node);
   }
   return result;
@@ -88,7 +89,7 @@ CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m) {
     open.pop();
     if (!done.emplace(entry.cell, static_cast<int>(tree.nodes.size())).second) continue;
     const Vec2 p = point_of(entry.cell);
-    tree.nodes.push_back({p, entry.parent, entry.length_m});
+    tree.nodes.push_back({p, entry.parent, entry.length_m, walkable.ground().SurfaceAt(p).height_m});
     expand(p, entry.length_m, entry.cell, 1, static_cast<int>(tree.nodes.size()) - 1);
   }
   return tree;

@@ -14,6 +14,7 @@ struct CandidateNode {
   core::Vec2 p_map = core::Vec2::Zero();
   int parent = -1;             ///< -1: reached straight from the robot
   double path_length_m = 0.0;  ///< along the tree from the robot
+  double ground_m = 0.0;       ///< height of the ground under the footprint
 };
 
 struct CandidateTree {

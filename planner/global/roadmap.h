@@ -1,0 +1,44 @@
+// Ground that plans found walkable, kept beyond the window of the terrain map.
+//
+// The terrain map rolls with the robot; what lies behind it is forgotten. The roadmap keeps the lattice places
+// of earlier plans and the steps between them, so that a view in another room stays a candidate, and the way
+// there is known (thesis 3.5 plans in the window only; 4.1 asks for the whole environment).
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "planner/candidates/candidates.h"
+
+namespace atlas::planner {
+
+class Roadmap {
+ public:
+  /// Places are those of a lattice with this spacing; others are kept by the lattice cell they lie in.
+  explicit Roadmap(double spacing_m) : spacing_m_(spacing_m) {}
+
+  /// Learns the places of a plan's tree and the steps of it.
+  void Learn(const CandidateTree& tree);
+
+  /// Appends to `tree` every place that known steps join to it, each by its shortest way. Indices and order of
+  /// the nodes before stay.
+  void Extend(CandidateTree* tree) const;
+
+  size_t size() const { return places_.size(); }
+
+ private:
+  using Cell = std::pair<int, int>;
+  struct Place {
+    core::Vec2 p_map = core::Vec2::Zero();
+    double ground_m = 0.0;
+    std::vector<Cell> steps;  ///< both ways
+  };
+  Cell CellOf(const core::Vec2& p_map) const;
+  void Join(const Cell& a, const Cell& b);
+
+  double spacing_m_;
+  std::map<Cell, Place> places_;
+};
+
+}  // namespace atlas::planner

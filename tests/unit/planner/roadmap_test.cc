@@ -1,0 +1,102 @@
+#include "planner/global/roadmap.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "core/rng.h"
+
+namespace atlas::planner {
+namespace {
+
+using core::Vec2;
+
+constexpr double kSpacing = 0.5;
+
+/// A random tree over lattice cells of a square whose corner is `corner`, grown from its middle.
+CandidateTree RandomTree(const Vec2& corner, int side, core::Rng* rng) {
+  CandidateTree tree;
+  std::vector<std::pair<int, int>> cells = {{side / 2, side / 2}};
+  tree.nodes.push_back({corner + kSpacing * Vec2(side / 2, side / 2), -1, 0.0, 0.0});
+  for (int attempt = 0; attempt < 20 * side * side; ++attempt) {
+    const int parent = rng->UniformInt(static_cast<int>(cells.size()));
+    std::pair<int, int> cell = cells[static_cast<size_t>(parent)];
+    cell.first += rng->UniformInt(3) - 1;
+    cell.second += rng->UniformInt(3) - 1;
+    if (cell.first < 0 || cell.second < 0 || cell.first >= side || cell.second >= side) continue;
+    if (std::find(cells.begin(), cells.end(), cell) != cells.end()) continue;
+    const Vec2 p = corner + kSpacing * Vec2(cell.first, cell.second);
+    const CandidateNode& from = tree.nodes[static_cast<size_t>(parent)];
+    tree.nodes.push_back({p, parent, from.path_length_m + (p - from.p_map).norm(), 0.1 * p.x()});
+    cells.push_back(cell);
+  }
+  return tree;
+}
+
+TEST(Roadmap, ExtendsATreeByTheShortestKnownWays) {
+  core::Rng rng(3);
+  const std::vector<CandidateTree> trees = {RandomTree({0, 0}, 9, &rng), RandomTree({3, 1}, 9, &rng),
+                                            RandomTree({6, 2}, 9, &rng)};
+  Roadmap roadmap(kSpacing);
+  for (const CandidateTree& tree : trees) roadmap.Learn(tree);
+  CandidateTree extended = trees[2];
+  roadmap.Extend(&extended);
+
+  // Oracle: relaxation of all steps of all trees until nothing changes, from the last tree's nodes.
+  struct Step {
+    Vec2 a, b;
+  };
+  std::vector<Step> steps;
+  std::vector<Vec2> places;
+  for (const CandidateTree& tree : trees) {
+    for (const CandidateNode& node : tree.nodes) {
+      if (node.parent >= 0) steps.push_back({node.p_map, tree.nodes[static_cast<size_t>(node.parent)].p_map});
+      const auto same = [&](const Vec2& p) { return (p - node.p_map).norm() < 1e-9; };
+      if (std::none_of(places.begin(), places.end(), same)) places.push_back(node.p_map);
+    }
+  }
+  std::vector<double> length(places.size(), std::numeric_limits<double>::infinity());
+  const auto index = [&](const Vec2& p) {
+    const auto at =
+        std::find_if(places.begin(), places.end(), [&](const Vec2& q) { return (p - q).norm() < 1e-9; });
+    return static_cast<size_t>(at - places.begin());
+  };
+  for (const CandidateNode& node : trees[2].nodes) length[index(node.p_map)] = node.path_length_m;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Step& step : steps) {
+      for (const auto& [from, to] : {std::pair(step.a, step.b), std::pair(step.b, step.a)}) {
+        const bool fixed = std::any_of(trees[2].nodes.begin(), trees[2].nodes.end(),
+                                       [&](const CandidateNode& n) { return (n.p_map - to).norm() < 1e-9; });
+        const double through = length[index(from)] + (to - from).norm();
+        if (fixed || through >= length[index(to)] - 1e-9) continue;
+        length[index(to)] = through;
+        changed = true;
+      }
+    }
+  }
+
+  EXPECT_EQ(extended.nodes.size(), places.size());
+  for (size_t i = 0; i < extended.nodes.size(); ++i) {
+    const CandidateNode& node = extended.nodes[i];
+    EXPECT_NEAR(node.path_length_m, length[index(node.p_map)], 1e-6);
+    EXPECT_LT(node.parent, static_cast<int>(i));
+    if (i >= trees[2].nodes.size()) EXPECT_NEAR(node.ground_m, 0.1 * node.p_map.x(), 1e-12);
+  }
+}
+
+TEST(Roadmap, LeavesOutWhatNoKnownStepJoins) {
+  core::Rng rng(5);
+  const CandidateTree here = RandomTree({0, 0}, 5, &rng), apart = RandomTree({50, 0}, 5, &rng);
+  Roadmap roadmap(kSpacing);
+  roadmap.Learn(here);
+  roadmap.Learn(apart);
+  CandidateTree extended = here;
+  roadmap.Extend(&extended);
+  EXPECT_EQ(extended.nodes.size(), here.nodes.size());
+  EXPECT_EQ(roadmap.size(), here.nodes.size() + apart.nodes.size());
+}
+
+}  // namespace
+}  // namespace atlas::planner
