@@ -155,12 +155,13 @@ void AddSofa(SceneBuilder& scene, const Vec2& at, double yaw_rad) {
   for (double x : {-0.76, 0.01}) WallBox(scene, paint, T, Vec3(x, -0.44, 0.4), Vec3(x + 0.75, 0.2, 0.52));
 }
 
-/// Steel uprights and five boards, with boxes on some; solid up to the second board for feet.
+/// Steel uprights and five boards, with boxes on some. To the robot it is one solid.
 void AddShelf(SceneBuilder& scene, const Vec2& at, double length, double yaw_rad, uint64_t seed) {
   const Paint paint{"shelves", Label::kFurniture, true}, boxes{"boxes", Label::kObject, true};
   const core::Pose T = core::PoseFromXyzYaw(Vec3(at.x(), at.y(), 0), yaw_rad);
   const double x = 0.5 * length, y = 0.22;
-  WallBox(scene, paint, T, Vec3(-x, -y, -0.02), Vec3(x, y, 0.12), Physics::kSolid);
+  WallBox(scene, paint, T, Vec3(-x, -y, -0.02), Vec3(x, y, 0.12));
+  scene.Collide(paint, {BoxShape{Vec3(x, y, 0.6)}, T * At(Vec3(0, 0, 0.6))});
   for (double z : {0.5, 0.9, 1.35, 1.8}) WallBox(scene, paint, T, Vec3(-x, -y, z), Vec3(x, y, z + 0.03));
   for (double sx : {-1.0, 0.0, 1.0}) {
     for (double sy : {-1.0, 1.0}) {
