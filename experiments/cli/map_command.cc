@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/files.h"
+#include "experiments/cli/map_commands.h"
+#include "experiments/cli/progress_bar.h"
+#include "experiments/interrupt.h"
+#include "experiments/mapping_tools/offline_map.h"
+#include "experiments/metrics/statistics.h"
+#include "experiments/report/tables.h"
+#include "experiments/resource_use.h"
+#include "experiments/stopwatch.h"
+#include "mapping/meshing/marching_cubes.h"
+
+namespace atlas::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using core::Vec3;
+
+constexpr double kFarOriginM = 5000.0;  ///< beyond, single precision is coarser than half a millimetre
+
+/// What the log came to.
+struct MapOutcome {
+  size_t scans = 0, unreadable = 0, rays = 0;
+  std::vector<double> cpu_ms, wall_ms;  ///< a scan each, integration alone
+  bool interrupted = false;
+  std::string first_error;
+};
+
+OfflineMapParams ParamsOf(const MapArguments& arguments) {
+  struct {
+    OfflineMapParams mapper;
+    void Visit(core::ParamVisitor& v) { v.Section("mapper", &mapper); }
+  } root;
+  root.mapper.field = arguments.field;
+  root.mapper.resolution_m = arguments.resolution_m;
+  root.mapper.local_radius_m = arguments.local_radius_m;
+  root.mapper.integrator.max_range_m = arguments.max_range_m;
+  core::ParamSource source;
+  for (const std::string& assignment : arguments.assignments) source.MergeAssignment(assignment);
+  source.Load(&root);
+  root.mapper.integrator.threads = arguments.threads;
+  return root.mapper;
+}
+
+/// The folder's or file's own name: runs/map/NAME.
+fs::path DefaultFolder(const std::string& scans) {
+  const fs::path path = fs::path(scans).lexically_normal();
+  const fs::path name = path.has_filename() ? path.stem() : path.parent_path().filename();
+  return fs::path("runs") / "map" / (name.empty() || name == "." || name == ".." ? fs::path("log") : name);
+}
+
+/// Poses far from their origin (UTM, national grids) are mapped about the first one instead.
+Vec3 OriginOf(const mapping::RecordedLog& log) {
+  const Vec3 first = log.T_map_lidar(0).translation();
+  if (first.norm() < kFarOriginM) return Vec3::Zero();
+  return (first / 100.0).array().round() * 100.0;
+}
+
+MapOutcome Integrate(const MapArguments& arguments, const mapping::RecordedLog& log, const Vec3& origin,
+                     OfflineMapper* mapper) {
+  MapOutcome outcome;
+  core::Pose T_map_odom = core::Pose::Identity();
+  T_map_odom.translation() = -origin;
+  const size_t count = arguments.limit > 0 ? std::min(arguments.limit, log.size()) : log.size();
+  ProgressBar bar("map", count);
+  for (size_t i = 0; i < count && !(outcome.interrupted = Interrupted()); ++i) {
+    bar.Show(i, fmt::format("{:.1f} MB", static_cast<double>(mapper->MapBytes()) / 1e6));
+    core::SpinEvent spin;
+    try {
+      spin = log.Read(i);
+    } catch (const core::InputError& error) {
+      if (!arguments.skip_unreadable) throw;
+      if (outcome.unreadable++ == 0) outcome.first_error = error.what();
+      continue;
+    }
+    const double cpu_s = CpuSeconds();
+    const Stopwatch watch;
+    mapper->Add(spin, T_map_odom);
+    outcome.cpu_ms.push_back(1e3 * (CpuSeconds() - cpu_s));
+    outcome.wall_ms.push_back(1e3 * watch.seconds());
+    outcome.rays += spin.scan.size();
+    ++outcome.scans;
+  }
+  bar.Finish(fmt::format("{} scans{}", outcome.scans, outcome.interrupted ? ", interrupted" : ""));
+  return outcome;
+}
+
+void WriteOutputs(const MapArguments& arguments, const OfflineMapper& mapper, const fs::path& folder) {
+  ProgressBar bar("write", arguments.mesh ? 3 : 2);
+  bar.Show(0, "map.atlas");
+  std::visit([&](const auto& tree) { mapping::WriteMap(folder / "map.atlas", tree); }, mapper.map());
+  bar.Show(1, "cloud.ply");
+  core::WritePly(folder / "cloud.ply", mapper.Cloud());
+  if (arguments.mesh) {
+    bar.Show(2, "mesh.ply");
+    mapping::MeshOptions options;
+    options.threads = arguments.threads;
+    core::WritePly(
+        folder / "mesh.ply",
+        std::visit([&](const auto& tree) { return mapping::ExtractMesh(tree, options); }, mapper.map()));
+  }
+  bar.Finish(folder.string());
+}
+
+double MeanOf(const std::vector<double>& values) {
+  return Describe(values).mean;
+}
+
+TextTable OutcomeTable(const MapOutcome& outcome, const mapping::RecordedLog& log,
+                       const OfflineMapper& mapper, const fs::path& folder) {
+  const MapVolume volume = VolumeOf(mapper.map());
+  TextTable table;
+  table.heading = {"", ""};
+  table.left = {true, false};
+  const auto row = [&](const std::string& name, std::string value) {
+    table.rows.push_back({name, std::move(value)});
+  };
+  row("scans", fmt::format("{}", outcome.scans));
+  row("scans without pose", fmt::format("{}", log.scans_without_pose()));
+  if (outcome.unreadable > 0) row("scans unreadable", fmt::format("{}", outcome.unreadable));
+  row("rays", fmt::format("{}", outcome.rays));
+  row("CPU ms a scan, mean", fmt::format("{:.1f}", MeanOf(outcome.cpu_ms)));
+  row("CPU ms a scan, p95", fmt::format("{:.1f}", Percentile(outcome.cpu_ms, 0.95)));
+  row("wall ms a scan, mean", fmt::format("{:.1f}", MeanOf(outcome.wall_ms)));
+  row("map in memory, MB", fmt::format("{:.2f}", static_cast<double>(mapper.MapBytes()) / 1e6));
+  row("map.atlas, MB", fmt::format("{:.2f}", static_cast<double>(fs::file_size(folder / "map.atlas")) / 1e6));
+  row("peak memory, MB", fmt::format("{:.1f}", PeakResidentBytes() / 1e6));
+  row("free, m3", fmt::format("{:.2f}", volume.free_m3));
+  row("occupied, m3", fmt::format("{:.3f}", volume.occupied_m3));
+  return table;
+}
+
+void WriteSummary(const fs::path& folder, const MapArguments& arguments, const OfflineMapParams& params,
+                  const MapOutcome& outcome, const mapping::RecordedLog& log, const Vec3& origin,
+                  const OfflineMapper& mapper) {
+  const MapVolume volume = VolumeOf(mapper.map());
+  const nlohmann::ordered_json json = {{"status", outcome.interrupted ? "interrupted" : "completed"},
+                                       {"log", log.Describe()},
+                                       {"scan_source", arguments.log.scans},
+                                       {"field", params.field},
+                                       {"resolution_m", params.resolution_m},
+                                       {"max_range_m", params.integrator.max_range_m},
+                                       {"local_radius_m", params.local_radius_m},
+                                       {"threads", arguments.threads},
+                                       {"map_origin_m", {origin.x(), origin.y(), origin.z()}},
+                                       {"scans", outcome.scans},
+                                       {"scans_without_pose", log.scans_without_pose()},
+                                       {"scans_unreadable", outcome.unreadable},
+                                       {"rays", outcome.rays},
+                                       {"integration_cpu_ms_mean", MeanOf(outcome.cpu_ms)},
+                                       {"integration_cpu_ms_p95", Percentile(outcome.cpu_ms, 0.95)},
+                                       {"integration_ms_mean", MeanOf(outcome.wall_ms)},
+                                       {"integration_ms_p95", Percentile(outcome.wall_ms, 0.95)},
+                                       {"map_bytes", mapper.MapBytes()},
+                                       {"map_file_bytes", fs::file_size(folder / "map.atlas")},
+                                       {"peak_rss_bytes", static_cast<uint64_t>(PeakResidentBytes())},
+                                       {"free_m3", volume.free_m3},
+                                       {"occupied_m3", volume.occupied_m3}};
+  core::WriteFileAtomically(folder / "summary.json", json.dump(2) + "\n");
+}
+
+}  // namespace
+
+int MapCommand(const MapArguments& arguments) {
+  const OfflineMapParams params = ParamsOf(arguments);
+  mapping::RecordedLogOptions options = arguments.log;
+  options.no_return = arguments.no_return == "void" ? core::ReturnKind::kVoid : core::ReturnKind::kDropout;
+  const mapping::RecordedLog log(options);
+  std::cout << log.Describe() << std::endl;
+  const Vec3 origin = OriginOf(log);
+  if (!origin.isZero()) {
+    std::cout << fmt::format(
+        "poses lie far from their origin: the map's is ({:.0f}, {:.0f}, {:.0f}) of theirs\n", origin.x(),
+        origin.y(), origin.z());
+  }
+
+  const fs::path folder = arguments.out.empty() ? DefaultFolder(options.scans) : arguments.out;
+  std::optional<core::LidarModel> lidar;
+  if (log.beams()) lidar = log.beams()->model;
+  OfflineMapper mapper(params, lidar);
+  InstallInterruptHandler();
+  const MapOutcome outcome = Integrate(arguments, log, origin, &mapper);
+  if (outcome.unreadable > 0) std::cout << "left out: " << outcome.first_error << "\n";
+  WriteOutputs(arguments, mapper, folder);
+  WriteSummary(folder, arguments, params, outcome, log, origin, mapper);
+  std::cout << ToTerminal(OutcomeTable(outcome, log, mapper, folder));
+  std::cout << fmt::format("{}: map.atlas cloud.ply {}summary.json\n", folder.string(),
+                           arguments.mesh ? "mesh.ply " : "");
+  return outcome.interrupted ? 130 : 0;
+}
+
+}  // namespace atlas::experiments

@@ -1,0 +1,56 @@
+// `atlas map`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mapping/io/recorded_log.h"
+
+namespace atlas::experiments {
+
+struct MapArguments {
+  mapping::RecordedLogOptions log;
+  std::string no_return = "dropout";
+  std::string field = "occupancy";
+  double resolution_m = 0.065;
+  double max_range_m = 60.0;
+  double local_radius_m = 0.0;  ///< 0: all is kept
+  size_t limit = 0;             ///< the first so many scans; 0: all
+  bool skip_unreadable = false;
+  bool mesh = false;
+  int threads = 2;
+  std::vector<std::string> assignments;
+  std::filesystem::path out;  ///< empty: runs/map/NAME
+};
+int MapCommand(const MapArguments& arguments);
+
+struct MeshArguments {
+  std::filesystem::path map, out;
+  double min_component_m2 = 0.0;
+  int threads = 2;
+};
+int MeshCommand(const MeshArguments& arguments);
+
+struct EvalArguments {
+  std::filesystem::path subject, truth;
+  std::vector<double> radii_m;  ///< empty: 0.043 and 0.086
+  std::string points = "mesh";  ///< of a map: mesh (samples of its surface) | voxels (centres)
+  double spacing_m = 0.02;      ///< between samples of a mesh
+  double limit_m = 0.5;         ///< longer distances count as this
+  std::filesystem::path json;   ///< empty: none is written
+  int threads = 2;
+};
+int EvalCommand(const EvalArguments& arguments);
+
+struct ExportArguments {
+  std::filesystem::path map, out;
+};
+int ExportCommand(const ExportArguments& arguments);
+
+/// Adds the four to the command line; parsing sets `action` to the chosen one.
+void AddMapCommands(CLI::App* app, int threads, std::function<int()>* action);
+
+}  // namespace atlas::experiments
