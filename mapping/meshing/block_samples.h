@@ -13,15 +13,17 @@ template <typename Field>
 using ChunkNeighbours = std::array<const typename Octree<Field>::Chunk*, 27>;
 
 /// What a voxel says about the surface: positive outside, zero or negative inside, NaN unknown. Signed
-/// distance in voxels; log-odds as a share of their clamp, so that saturated voxels are -1 or 1.
+/// distance in voxels; log-odds in units of the upper clamp, where voxels at the lower clamp, whose evidence
+/// is cut off earlier, count as much as those at the upper one: between two saturated ends the surface lies
+/// in the middle.
 inline float SampleOf(TsdfField::Value v) {
   constexpr auto kVoxels = static_cast<float>(TsdfField::kWidestTruncationVoxels / 32767.0);
   return v.weight == 0 ? std::nanf("") : kVoxels * static_cast<float>(v.distance);
 }
 inline float SampleOf(OccupancyField::Value v) {
   if (v == 0) return std::nanf("");
-  return static_cast<float>(v) /
-         (v > 0 ? -static_cast<float>(OccupancyField::kMax) : static_cast<float>(OccupancyField::kMin));
+  if (v == OccupancyField::kMin) return 1.0f;
+  return static_cast<float>(v) / -static_cast<float>(OccupancyField::kMax);
 }
 inline bool IsInside(float sample) {
   return sample <= 0.0f;

@@ -38,11 +38,12 @@ Vec3f SmoothGradient(const BlockSamples<Field>& samples, int x, int y, int z) {
   return gradient;
 }
 
-/// How far the inside reaches from `p` along `inwards`, to `limit`; unknown counts as inside.
+/// How far the inside reaches from `p` along `inwards`, to `limit` at most (or the bounds of the samples,
+/// which only the vertices of coarse cells reach); unknown counts as inside.
 template <typename Field>
 float Thickness(const BlockSamples<Field>& samples, const Vec3f& p, const Vec3f& inwards, float limit) {
-  constexpr float kStep = 0.25f;
-  for (float t = kStep; t < limit; t += kStep) {
+  constexpr float kStep = 0.25f, kBounds = 2.9f;
+  for (float t = kStep; t < std::min(limit, kBounds); t += kStep) {
     const float s = samples.Between(p + t * inwards);
     if (IsKnown(s) && !IsInside(s) && t > 2.0f * kStep) return t;
   }
