@@ -260,7 +260,7 @@ SceneSpec BuildCampus() {
   AddQuad(scene, &rng);
   AddPark(scene, ground, &rng);
   AddSurroundings(scene, &rng);
-  return scene.FinishSpace({-29.0, -84.0}, core::Radians(90.0), 0.12);
+  return scene.FinishSpace({-29.0, -84.0}, core::Radians(90.0), 0.10);
 }
 
 }  // namespace atlas::scenes

@@ -233,7 +233,7 @@ SceneSpec BuildRoomsSmall() {
   for (const Partition& wall : Partitions()) AddPartition(scene, wall);
   AddFurniture(scene);
   AddFittings(scene);
-  SceneSpec spec = scene.FinishSpace({0.0, -15.0}, 0.5 * core::kPi, 0.02);
+  SceneSpec spec = scene.FinishSpace({0.0, -15.0}, 0.5 * core::kPi, 0.03);
   const double x = kHalfX_m, y = kHalfY_m, h = 0.5 * kWall_m;
   spec.object_box = {Vec3(-x - h, -y - h, -0.1), Vec3(x + h, y + h, kCeiling_m + 0.1)};
   return spec;

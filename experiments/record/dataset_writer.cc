@@ -71,12 +71,13 @@ void Count(const core::LidarScan& scan, DatasetCounts* counts) {
 
 }  // namespace
 
-size_t WriteTruth(const fs::path& path, const scenes::SceneSpec& scene, double spacing_m) {
-  const scenes::GroundTruth truth = scenes::SampleGroundTruth(scene, spacing_m);
+size_t WriteTruth(const DatasetRecorder& recorder, const fs::path& path, double spacing_m) {
+  const scenes::GroundTruth truth = scenes::SampleGroundTruth(recorder.scene(), spacing_m);
+  const std::vector<uint8_t> seen = recorder.SeenPoints(truth.points, truth.normals);
   std::string body;
   size_t kept = 0;
   for (size_t i = 0; i < truth.points.size(); ++i) {
-    if (scene.is_space && !scene.object_box.Contains(truth.points[i].cast<double>())) continue;
+    if (seen[i] == 0) continue;
     body.append(reinterpret_cast<const char*>(truth.points[i].data()), 12);
     body.append(reinterpret_cast<const char*>(truth.normals[i].data()), 12);
     ++kept;
@@ -105,7 +106,7 @@ DatasetCounts WriteDataset(DatasetRecorder* recorder, const fs::path& folder, do
   counts.interrupted = counts.scans < recorder->stamps_s().size();
   mapping::WriteTum(folder / "poses.tum", poses);
   if (truth_spacing_m > 0.0 && !counts.interrupted) {
-    counts.truth_points = WriteTruth(folder / "truth.ply", recorder->scene(), truth_spacing_m);
+    counts.truth_points = WriteTruth(*recorder, folder / "truth.ply", truth_spacing_m);
   }
   core::WriteFileAtomically(folder / "dataset.yaml", Describe(*recorder, counts, truth_spacing_m));
   return counts;

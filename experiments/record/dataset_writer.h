@@ -3,7 +3,7 @@
 //   scans/<stamp>.pcd   organised clouds, x y z t kind (mapping/io/cloud_writer.h)
 //   poses.tum           T_map_lidar at each scan's stamp
 //   trajectory.tum      T_map_lidar every 5 ms
-//   truth.ply           points on the surfaces, with normals, without noise
+//   truth.ply           points on the surfaces that the scans could have met, with normals, without noise
 //   dataset.yaml        what was recorded, and how
 #pragma once
 
@@ -26,8 +26,8 @@ struct DatasetCounts {
 DatasetCounts WriteDataset(DatasetRecorder* recorder, const std::filesystem::path& folder,
                            double truth_spacing_m, const std::function<bool(size_t, size_t)>& progress);
 
-/// The surfaces that `WriteDataset` samples: those of the object, inside the object box where the scene is a
-/// space. Binary PLY with x y z nx ny nz (float). @returns the number of points
-size_t WriteTruth(const std::filesystem::path& path, const scenes::SceneSpec& scene, double spacing_m);
+/// The surfaces of the object that the recorded revolutions could have met, sampled without noise: binary PLY
+/// with x y z nx ny nz (float). @returns the number of points
+size_t WriteTruth(const DatasetRecorder& recorder, const std::filesystem::path& path, double spacing_m);
 
 }  // namespace atlas::experiments

@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/rng.h"
+#include "experiments/record/truth_seen.h"
 #include "scenes/catalog.h"
 #include "sim/sensors/lidar.h"
 #include "sim/sensors/raycaster.h"
@@ -180,6 +181,14 @@ bool DatasetRecorder::Next(core::SpinEvent* spin) {
   }
   spin->scan = m.lidar.Spin(&m.raycaster, begin_s, spin->T_odom_lidar, nullptr, m.options.threads);
   return true;
+}
+
+std::vector<uint8_t> DatasetRecorder::SeenPoints(std::span<const core::Vec3f> points,
+                                                 std::span<const core::Vec3f> normals) const {
+  std::vector<core::StampedPose> poses;
+  for (double stamp_s : impl_->stamps_s) poses.push_back({stamp_s, impl_->trajectory.At(stamp_s)});
+  return experiments::SeenPoints(points, normals, poses, impl_->model, impl_->raycaster,
+                                 impl_->options.threads);
 }
 
 void DatasetRecorder::Rewind() {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ class DatasetRecorder {
   /// The next revolution and the sensor's poses while it lasted (odometry without drift: odom is map).
   /// @returns false after the last.
   bool Next(core::SpinEvent* spin);
+  /// 1 for each surface point that some of the revolutions could have met (truth_seen.h).
+  std::vector<uint8_t> SeenPoints(std::span<const core::Vec3f> points,
+                                  std::span<const core::Vec3f> normals) const;
   /// Starts again; the same revolutions follow.
   void Rewind();
 
