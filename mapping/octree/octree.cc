@@ -225,15 +225,25 @@ void Octree<Field>::Expand(const Chunk& chunk, int block, FineLeaf* out) const {
 
 template <typename Field>
 void Octree<Field>::Propagate(Chunk* chunk, const BlockMask& which) {
-  uint64_t parents = 0;  // a bit a level 4 node
   ForEachBit(which, [&](int block) {
-    parents |= uint64_t{1} << (block >> 3);
     if (chunk->fine.Test(block)) {
       chunk->detail->block[static_cast<size_t>(block)] = Summarise<Field, kBlockVoxels>(Fine(chunk, block));
     } else if (chunk->coarse.Test(block)) {
       chunk->detail->block[static_cast<size_t>(block)] = Summarise<Field, 64>(Coarse(chunk, block));
     }
   });
+  PropagateAbove(chunk, which);
+}
+
+template <typename Field>
+void Octree<Field>::PropagateAbove(Chunk* chunk, const BlockMask& which) {
+  uint64_t parents = 0;  // a bit a level 4 node
+  for (size_t word = 0; word < 8; ++word) {
+    for (int byte = 0; byte < 8; ++byte) {
+      if (which.bits[word] >> (8 * byte) & 0xff)
+        parents |= uint64_t{1} << (8 * word + static_cast<size_t>(byte));
+    }
+  }
   if (parents == 0) return;
   for (uint64_t bits = parents; bits != 0; bits &= bits - 1) {
     const int node = __builtin_ctzll(bits);

@@ -121,6 +121,8 @@ class Octree {
 
   /// Recomputes the summaries of the blocks in `which` and of all nodes above them in the chunk.
   void Propagate(Chunk* chunk, const BlockMask& which);
+  /// The nodes above those blocks alone, for callers that keep Detail::block current themselves.
+  void PropagateAbove(Chunk* chunk, const BlockMask& which);
   /// Makes uniform what holds one value throughout (lossless). Call before Propagate.
   void CollapseEqual(Chunk* chunk, const BlockMask& which, int worker);
   /// The chunks with dirty blocks, by ascending code, as (key, mask); clears the marks.
