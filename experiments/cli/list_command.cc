@@ -26,7 +26,7 @@ void PrintScenes(bool verbose) {
   if (!verbose) return PrintEntries(scenes::Catalog());
   for (const auto& entry : scenes::Catalog()) {
     const scenes::SceneSpec scene = entry.build();
-    const scenes::GroundTruth truth = scenes::SampleGroundTruth(scene, 0.01);
+    const scenes::GroundTruth truth = scenes::SampleGroundTruth(scene, scene.truth_spacing_m);
     size_t triangles = 0, shapes = 0;
     for (const auto& part : scene.parts) {
       triangles += part.mesh.triangles.size();
