@@ -55,6 +55,7 @@ struct LidarScan {
 struct SpinEvent {
   LidarScan scan;
   PoseTrajectory T_odom_lidar;
+  bool scanning = false;  ///< part of a scanning action (see Sweep)
 };
 
 /// Depth along the optical axis, row-major, top row first; pixel centres at (u + 0.5, v + 0.5).

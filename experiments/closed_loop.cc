@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <future>
+#include <algorithm>
 #include <optional>
 
 #include "core/lidar_model.h"
+#include "core/task_lanes.h"
 #include "experiments/mission_metrics.h"
 #include "experiments/run_film.h"
+#include "experiments/sensor_feed.h"
 #include "experiments/stopwatch.h"
-#include "experiments/terrain_feed.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 
@@ -19,7 +20,6 @@ namespace {
 using core::Pose;
 using planner::NbvOutcome;
 
-constexpr double kTerrainRefreshPeriodS = 1.0;
 constexpr int kMaxFailedWalks = 3;
 
 /// Everything that takes part in a mission, built from its configuration.
@@ -35,9 +35,12 @@ struct Mission {
         simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
         mapper(mapping::MakeMapper(config.mapper, scene.object_box)),
         terrain(config.planner.terrain, robot),
-        feed(&terrain, kTerrainRefreshPeriodS),
+        feed(
+            {.cloud_spacing_m = config.mapper.downsample_m}, &terrain, mapper.get(),
+            [this](const core::PointCloud& cloud) { metrics.TakeCloud(cloud); }, &lanes),
         planner(planner::MakeNbvPlanner(config.planner, robot, SensorModel(), scene.object_box,
-                                        options.threads, rng.Split("planner"))) {
+                                        options.threads, rng.Split("planner"))),
+        lanes(kTaskLanes, options.threads > 1) {
     terrain.InitialiseUnderRobot(T_map_base());
     simulator->SetSink(&feed);
     simulator->SetStop(options.should_stop);
@@ -71,8 +74,10 @@ struct Mission {
   std::unique_ptr<sim::Simulator> simulator;
   std::unique_ptr<mapping::Mapper> mapper;
   planner::ElevationMap terrain;
-  TerrainFeed feed;
+  SensorFeed feed;
   std::unique_ptr<planner::NbvPlanner> planner;
+  size_t surface_voxels = 0;  ///< occupied after the last scan
+  core::TaskLanes lanes;      ///< ends before what its tasks work on
 };
 
 struct Ending {
@@ -93,52 +98,41 @@ std::optional<Ending> EndingOf(sim::MotionStatus status) {
   return std::nullopt;
 }
 
-/// What an integration gave, and the time it took.
-struct Integrated {
-  core::PointCloud cloud;
-  double seconds = 0.0;
-};
-
-Integrated IntegrateTimed(mapping::Mapper* mapper, const core::Sweep& sweep) {
-  const Stopwatch integrating;
-  Integrated result{mapper->Integrate(sweep), 0.0};
-  result.seconds = integrating.seconds();
-  return result;
-}
-
-/// Sweeps, and integrates the walk that led here meanwhile (with a second thread) and the sweep after it; the
-/// planner learns how much surface was new.
+/// Sweeps while the map takes the walk that led here and what the sweep sees; the robot stands until both are
+/// integrated, and the planner learns how much surface was new.
 std::optional<Ending> SweepAndIntegrate(Mission* m) {
-  const size_t before = m->mapper->view().OccupiedCenters().size();
-  const auto policy = m->options.threads > 1 ? std::launch::async : std::launch::deferred;
-  std::future<Integrated> walked =
-      std::async(policy, [m, walk = m->feed.TakeWalk()] { return IntegrateTimed(m->mapper.get(), walk); });
-  core::Sweep sweep;
+  m->feed.SetMapping(SensorFeed::Mapping::kScanning);
   const Stopwatch sweeping;
-  const sim::MotionStatus status = m->simulator->RollSweep(&sweep);
+  const sim::MotionStatus status = m->simulator->RollSweep(nullptr);
+  m->feed.SetMapping(SensorFeed::Mapping::kNothing);
   if (const auto ending = EndingOf(status)) return ending;
   m->metrics.timing().sweep_wall_s = sweeping.seconds();
+  m->metrics.ObserveSweep(m->T_map_base());
+  m->feed.RefreshTerrain();
+  const Pose T_map_base = m->T_map_base();
+  const sim::MotionStatus stood = m->simulator->Stand(m->config.mission.integration_latency_s);
 
-  Integrated integrated = walked.get();
-  const Integrated swept = IntegrateTimed(m->mapper.get(), sweep);
-  core::PointCloud& cloud = integrated.cloud;
-  cloud.points.insert(cloud.points.end(), swept.cloud.points.begin(), swept.cloud.points.end());
-  m->metrics.timing().integration_ms = 1e3 * (integrated.seconds + swept.seconds);
+  const SensorFeed::Mapped mapped = m->feed.DrainMap();
   const std::vector<core::Vec3f> surface = m->mapper->view().OccupiedCenters();
-  const size_t new_surface = surface.size() > before ? surface.size() - before : 0;
-  m->planner->OnSweep(m->T_map_base(), new_surface);
-  m->metrics.ObserveSweep(cloud, m->T_map_base(), new_surface, *m->mapper);
+  const size_t new_surface = surface.size() - std::min(surface.size(), m->surface_voxels);
+  m->surface_voxels = surface.size();
+  m->planner->OnSweep(T_map_base, new_surface);
+  m->metrics.ObserveMap(mapped.cloud_points, 1e3 * mapped.integration_s, new_surface);
+  m->lanes.Post(kMapLane, [m] { m->metrics.ScoreClouds(*m->mapper); });
   m->film.ObserveMap(surface);
-  return EndingOf(m->simulator->Stand(m->config.mission.integration_latency_s));
+  return EndingOf(stood);
 }
 
+/// Plans while the metrics are scored.
 planner::NbvDecision PlanNextView(Mission* m) {
   const Stopwatch updating;
-  m->terrain.Update();
+  m->feed.AdoptTerrain();
   m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
   const Stopwatch planning;
   planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), m->terrain);
   m->metrics.timing().nbv_time_s = planning.seconds();
+  m->lanes.Drain(kMapLane);
+  m->metrics.AdoptScore();
   return decision;
 }
 
@@ -159,10 +153,11 @@ std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDeci
 
 std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, int* failed_walks) {
   const planner::Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
-  if (m->config.mission.map_while_walking) m->feed.StartWalk();
+  using Mapping = SensorFeed::Mapping;
+  m->feed.SetMapping(m->config.mission.map_while_walking ? Mapping::kEverything : Mapping::kNothing);
   const Stopwatch walking;
   const sim::WalkResult walk = m->simulator->Walk({decision.path_map, view.yaw_rad}, &m->terrain);
-  m->feed.EndWalk();
+  m->feed.SetMapping(Mapping::kNothing);
   m->metrics.ObserveWalk(walk, walking.seconds());
   if (const auto ending = EndingOf(walk.status)) return ending;
   *failed_walks = walk.status == sim::MotionStatus::kStuck ? *failed_walks + 1 : 0;
@@ -171,6 +166,7 @@ std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, i
 }
 
 Ending RunMission(Mission* m) {
+  m->lanes.Post(kMapLane, [m] { m->metrics.SampleSurroundings(); });
   int failed_walks = 0;
   while (true) {
     m->metrics.BeginScan();
@@ -196,7 +192,10 @@ RunSummary RunClosedLoop(const ExperimentConfig& config, const RunOptions& optio
   Ending ending{RunStatus::kFailed, StopReason::kError};
   try {
     ending = RunMission(&mission);
+    mission.lanes.Drain(kTerrainLane);
+    mission.lanes.Drain(kMapLane);
   } catch (...) {
+    mission.lanes.Abandon();
     mission.metrics.Finish(RunStatus::kFailed, StopReason::kError, *mission.mapper);
     throw;
   }

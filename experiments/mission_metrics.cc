@@ -96,21 +96,47 @@ void MissionMetrics::BeginScan() {
   step_.scan = timing_.scan = scans_;
 }
 
-void MissionMetrics::ObserveSweep(const core::PointCloud& cloud, const core::Pose& T_map_base,
-                                  size_t new_surface, const mapping::Mapper& mapper) {
-  const Stopwatch measuring;
-  meter_->AddCloud(cloud);
-  coverage_.push_back(meter_->coverage());
+void MissionMetrics::ObserveSweep(const core::Pose& T_map_base) {
   step_.sim_time_s = simulator_->time_s();
   step_.distance_m = distance_m_;
   step_.T_map_base = T_map_base;
-  step_.coverage_raw = meter_->coverage_raw();
-  step_.coverage = meter_->coverage();
-  step_.coverage_of_attainable = ShareOf(meter_->covered(), attainable_);
-  step_.cloud_points = cloud.points.size();
+}
+
+void MissionMetrics::ObserveMap(size_t cloud_points, double integration_ms, size_t new_surface) {
+  step_.cloud_points = cloud_points;
   step_.new_surface_voxels = new_surface;
-  timing_.map_bytes = mapper.MapBytes();
-  timing_.metrics_ms = 1e3 * measuring.seconds();
+  timing_.integration_ms = integration_ms;
+}
+
+void MissionMetrics::SampleSurroundings() {
+  surroundings_ = SampleBackground(scene_, scene_.object_box.Inflated(0.3), 0.02);
+}
+
+void MissionMetrics::TakeCloud(const core::PointCloud& cloud) {
+  const Stopwatch measuring;
+  meter_->Take(cloud);
+  scored_.seconds += measuring.seconds();
+}
+
+void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
+  const Stopwatch measuring;
+  meter_->Align();
+  scored_.coverage_raw = meter_->coverage_raw();
+  scored_.coverage = meter_->coverage();
+  scored_.of_attainable = ShareOf(meter_->covered(), attainable_);
+  scored_.map_bytes = mapper.MapBytes();
+  scored_.seconds += measuring.seconds();
+}
+
+void MissionMetrics::AdoptScore() {
+  score_ = scored_;
+  scored_.seconds = 0.0;
+  coverage_.push_back(score_.coverage);
+  step_.coverage_raw = score_.coverage_raw;
+  step_.coverage = score_.coverage;
+  step_.coverage_of_attainable = score_.of_attainable;
+  timing_.map_bytes = score_.map_bytes;
+  timing_.metrics_ms = 1e3 * score_.seconds;
 }
 
 void MissionMetrics::FinishScan(const planner::NbvDecision& decision) {
@@ -146,8 +172,7 @@ void MissionMetrics::ObserveWalk(const sim::WalkResult& walk, double wall_s) {
 
 RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const mapping::Mapper& mapper) {
   RunSummary& summary = *recorder_->mutable_summary();
-  const CloudError error = meter_->MeasureCloudError(
-      scene_.object_box, SampleBackground(scene_, scene_.object_box.Inflated(0.3), 0.02));
+  const CloudError error = meter_->MeasureCloudError(scene_.object_box, surroundings_);
   if (error.points > 0) {
     summary.cloud_error_m_mean = error.mean_m;
     summary.cloud_error_m_p95 = error.p95_m;
@@ -172,7 +197,7 @@ void MissionMetrics::Report(const std::string& stage, bool final) const {
       fmt::format("scan {:2d}  {:02d}:{:02d}  {:6.2f} m  coverage {:5.1f} %  of attainable {:5.1f} %  {:.1f} "
                   "x real time  {}",
                   scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
-                  100.0 * meter_->coverage(), 100.0 * ShareOf(meter_->covered(), attainable_),
+                  100.0 * score_.coverage, 100.0 * score_.of_attainable,
                   time_s / std::max(1e-3, wall_.seconds()), stage),
       final);
 }

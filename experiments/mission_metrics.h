@@ -1,4 +1,7 @@
 // What a mission is judged by. The only part of the loop that sees ground truth.
+//
+// The costly part (SampleSurroundings, TakeCloud, ScoreClouds) touches only the meter and its own results, so
+// that it may run beside the rest, one call at a time; AdoptScore and Finish read them once it is over.
 #pragma once
 
 #include <memory>
@@ -23,8 +26,17 @@ class MissionMetrics {
   void Attach(sim::Simulator* simulator);
 
   void BeginScan();
-  void ObserveSweep(const core::PointCloud& cloud, const core::Pose& T_map_base, size_t new_surface,
-                    const mapping::Mapper& mapper);
+  void ObserveSweep(const core::Pose& T_map_base);
+  void ObserveMap(size_t cloud_points, double integration_ms, size_t new_surface);
+
+  /// Samples what stands around the object, which the cloud's error leaves out.
+  void SampleSurroundings();
+  void TakeCloud(const core::PointCloud& cloud);
+  /// Scores all clouds so far.
+  void ScoreClouds(const mapping::Mapper& mapper);
+  /// The scan's row takes the score.
+  void AdoptScore();
+
   void FinishScan(const planner::NbvDecision& decision);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
   RunSummary Finish(RunStatus status, StopReason reason, const mapping::Mapper& mapper);
@@ -46,6 +58,14 @@ class MissionMetrics {
   scenes::GroundTruth truth_;
   std::vector<uint8_t> attainable_;
   std::unique_ptr<CoverageMeter> meter_;
+  std::vector<core::Vec3f> surroundings_;
+  /// The meter's latest answers.
+  struct Score {
+    double coverage = 0.0, coverage_raw = 0.0, of_attainable = 0.0;
+    double seconds = 0.0;  ///< wall-clock time since the last score
+    size_t map_bytes = 0;
+  };
+  Score scored_, score_;  ///< as computed, as adopted
   std::unique_ptr<RunRecorder> recorder_;
   sim::Simulator* simulator_ = nullptr;
   core::Rng log_rng_;

@@ -124,8 +124,9 @@ void SensorSuite::FinishSpin(core::SensorSink* sink, core::Sweep* sweep) {
   event.scan = lidar_.Spin(
       &raycaster_, spin_start_s_, T_map_lidar_, [this](double t) { PoseBodies(t); }, params_.threads);
   event.T_odom_lidar = std::move(T_odom_lidar_);
+  event.scanning = spin_activity_ == Activity::kSweeping;
   if (sink != nullptr) sink->OnSpin(event);
-  if (sweep != nullptr && spin_activity_ == Activity::kSweeping) sweep->spins.push_back(std::move(event));
+  if (sweep != nullptr && event.scanning) sweep->spins.push_back(std::move(event));
 }
 
 }  // namespace atlas::sim

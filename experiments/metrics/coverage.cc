@@ -140,23 +140,23 @@ CoverageMeter::CoverageMeter(const scenes::GroundTruth& truth, const Options& op
   assert(truth.normals.size() == truth.points.size());
 }
 
-void CoverageMeter::AddCloud(const core::PointCloud& cloud) {
+void CoverageMeter::Take(const core::PointCloud& cloud) {
   raw_.AddCloud(cloud);
   const size_t counted = kept_.size();
   const Box3 box = truth_box_.Inflated(options_.keep_margin_m);
   for (const Vec3f& p : cloud.points) {
     if (box.Contains(p.cast<double>())) kept_.push_back(p);
   }
+  aligned_.AddPoints(std::span<const Vec3f>(kept_).subspan(counted), T_counted_);
+}
+
+void CoverageMeter::Align() {
   T_truth_cloud_ = AlignToTruth(kept_, *grid_, truth_.points, truth_.normals, T_truth_cloud_, AlignOptions{})
                        .T_truth_cloud;
-  const std::span<const Vec3f> all(kept_);
-  if (CornerMotion(truth_box_, T_truth_cloud_, T_counted_) > options_.recount_above_m) {
-    aligned_.Reset();
-    T_counted_ = T_truth_cloud_;
-    aligned_.AddPoints(all, T_counted_);
-  } else {
-    aligned_.AddPoints(all.subspan(counted), T_counted_);
-  }
+  if (CornerMotion(truth_box_, T_truth_cloud_, T_counted_) <= options_.recount_above_m) return;
+  aligned_.Reset();
+  T_counted_ = T_truth_cloud_;
+  aligned_.AddPoints(kept_, T_counted_);
 }
 
 CloudError CoverageMeter::MeasureCloudError(const Box3& object_box,

@@ -93,7 +93,13 @@ class CoverageMeter {
   CoverageMeter(const scenes::GroundTruth& truth, const Options& options);
 
   /// Adds a sweep's filtered cloud (map frame) and scores both ways.
-  void AddCloud(const core::PointCloud& cloud);
+  void AddCloud(const core::PointCloud& cloud) {
+    Take(cloud);
+    Align();
+  }
+  /// AddCloud in two: any number of clouds, scored under the latest fit; then the fit of all and its score.
+  void Take(const core::PointCloud& cloud);
+  void Align();
 
   double coverage_raw() const { return raw_.coverage_raw(); }
   double coverage() const { return aligned_.coverage_raw(); }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "planner/terrain/layered_grid.h"
 #include "planner/terrain/ray_ingest.h"
@@ -98,9 +99,15 @@ struct ElevationMap::Impl {
   terrain::RayIngest ingest;
   terrain::WaveParams wave;
   terrain::GroundImage ground;
-  terrain::TerrainImage image;  ///< what queries read
-  core::Vec2 image_centre = core::Vec2::Zero();
-  float image_ground_m = 0.0f;
+  /// What queries read, and where the robot was then.
+  struct Published {
+    terrain::TerrainImage image;
+    core::Vec2 centre = core::Vec2::Zero();
+    float ground_m = 0.0f;
+  };
+  Published published, fresh;
+  bool refreshed = false;  ///< fresh is newer than published
+  const terrain::TerrainImage& image = published.image;
   core::Pose base = core::Pose::Identity();
   core::Pose T_map_odom = core::Pose::Identity();
   bool foot_down[4] = {false, false, false, false};
@@ -156,6 +163,16 @@ void ElevationMap::OnDepth(const core::DepthEvent& event) {
 }
 
 void ElevationMap::Update() {
+  Refresh();
+  Publish();
+}
+
+void ElevationMap::Publish() {
+  if (!std::exchange(impl_->refreshed, false)) return;
+  std::swap(impl_->published, impl_->fresh);
+}
+
+void ElevationMap::Refresh() {
   Impl& m = *impl_;
   const double cell = m.params.cell_m;
   const core::Vec2 robot = m.base.translation().head<2>();
@@ -167,9 +184,10 @@ void ElevationMap::Update() {
   const double reach = std::hypot(m.robot.half_length_m, m.robot.half_width_m);
   const int radius = static_cast<int>(
       std::ceil((std::max(reach, m.robot.footprint_radius_m) + 1.5 * m.params.edge_clearance_m) / cell) + 2);
-  m.image = AssessTerrain(m.params, m.ground, m.ground.side / 2, m.ground.side / 2, radius);
-  m.image_centre = robot;
-  m.image_ground_m = m.ingest.ground_m();
+  m.fresh.image = AssessTerrain(m.params, m.ground, m.ground.side / 2, m.ground.side / 2, radius);
+  m.fresh.centre = robot;
+  m.fresh.ground_m = m.ingest.ground_m();
+  m.refreshed = true;
 }
 
 core::TerrainView::Ground ElevationMap::At(double x_map, double y_map) const {
@@ -226,7 +244,7 @@ bool ElevationMap::CircleFree(const core::Vec2& p_map) const {
 ElevationMap::Surface ElevationMap::SurfaceAt(const core::Vec2& p_map) const {
   const Impl& m = *impl_;
   Surface surface;
-  surface.height_m = m.image_ground_m;
+  surface.height_m = m.published.ground_m;
   const int i = m.IndexAt(p_map.x(), p_map.y());
   if (i < 0) return surface;
   const int row = i / m.image.side, col = i % m.image.side;
@@ -244,8 +262,10 @@ core::Box3 ElevationMap::Window() const {
   const Impl& m = *impl_;
   const double half = 0.5 * m.params.window_m;
   core::Box3 box;
-  box.min = {m.image_centre.x() - half, m.image_centre.y() - half, m.image_ground_m - kWindowBelow_m};
-  box.max = {m.image_centre.x() + half, m.image_centre.y() + half, m.image_ground_m + kWindowAbove_m};
+  box.min = {m.published.centre.x() - half, m.published.centre.y() - half,
+             m.published.ground_m - kWindowBelow_m};
+  box.max = {m.published.centre.x() + half, m.published.centre.y() + half,
+             m.published.ground_m + kWindowAbove_m};
   return box;
 }
 

@@ -4,7 +4,8 @@
 // lowest, highest, support) and counts the rays that crossed the ground's height without meeting it, so that
 // a grating is not read as the floor below, an overhang is not read as ground, and a hole is known as one.
 //
-// Events are taken from one thread, as is Update(); const queries may then run on any number of threads.
+// Events and Refresh() are taken from one thread at a time; queries read what Publish() last put up, which
+// Refresh() does not touch, so that they may go on beside it on any number of threads.
 #pragma once
 
 #include <memory>
@@ -45,8 +46,12 @@ class ElevationMap : public core::SensorSink, public core::TerrainView, public T
   void OnSpin(const core::SpinEvent& event) override;
   void OnDepth(const core::DepthEvent& event) override;
 
-  /// Recomputes heights filled, slope, step, roughness, holes and traversability. Call before querying after
-  /// new events; queries see the last update.
+  /// Recomputes heights filled, slope, step, roughness, holes and traversability from the events so far.
+  void Refresh();
+  /// Lets queries see the last refresh; no effect without a new one. Call while neither Refresh() nor a query
+  /// runs.
+  void Publish();
+  /// Both: call before querying after new events.
   void Update();
 
   Ground At(double x_map, double y_map) const override;
