@@ -34,6 +34,7 @@ class Mapper {
   virtual ~Mapper() = default;
   /// Integrates one sweep, spin by spin. Returns its filtered cloud in the map frame (thesis 3.3).
   virtual core::PointCloud Integrate(const core::Sweep& sweep) = 0;
+  /// Up to date with the last Integrate(). Queries on it and MapBytes() may run side by side.
   virtual const OccupancyView& view() const = 0;
   virtual size_t MapBytes() const = 0;
   /// Writes the map in the backend's own format; returns the file's name.

@@ -3,6 +3,7 @@
 #include <octomap/OcTree.h>
 
 #include <sstream>
+#include <utility>
 
 #include "core/files.h"
 #include "mapping/grid/dense_grid.h"
@@ -54,17 +55,22 @@ class OctomapMapper : public Mapper {
         if (grid_.region().Contains(p.cast<double>()) && filter.Insert(p)) cloud.points.push_back(p);
       }
     }
-    WriteThrough();
+    view_is_old_ = true;
     return cloud;
   }
 
-  const OccupancyView& view() const override { return grid_; }
+  const OccupancyView& view() const override {
+    if (std::exchange(view_is_old_, false)) grid_.FinishUpdate();
+    return grid_;
+  }
 
   size_t MapBytes() const override {
+    WriteThrough();
     return tree_.memoryUsage() + grid_.Bytes() + log_odds_.size() * 2 * sizeof(float) + mark_.size();
   }
 
   std::string Save(const std::filesystem::path& directory) const override {
+    WriteThrough();
     octomap::OcTree copy(tree_);
     std::ostringstream out;
     copy.writeBinary(out);
@@ -153,7 +159,10 @@ class OctomapMapper : public Mapper {
     touched_.clear();
   }
 
-  void WriteThrough() {
+  /// Brings the octree up to the mirror. The tree is read only by MapBytes() and Save(), so that many sweeps
+  /// cost one pass.
+  void WriteThrough() const {
+    if (changed_.empty()) return;
     for (const size_t index : changed_) {
       changed_mark_[index] = false;
       const Vec3 p = grid_.frame().CenterOf(index);
@@ -161,18 +170,19 @@ class OctomapMapper : public Mapper {
     }
     changed_.clear();
     tree_.updateInnerOccupancy();
-    grid_.FinishUpdate();
   }
 
   MapperParams params_;
-  octomap::OcTree tree_;
-  DenseGrid grid_;
+  mutable octomap::OcTree tree_;  ///< lags behind the mirror by changed_
+  mutable DenseGrid grid_;
+  mutable bool view_is_old_ = false;  ///< the mirror's lists of occupied voxels lag behind it
   std::vector<float> log_odds_;
   std::vector<uint8_t> mark_;
-  std::vector<bool> changed_mark_;
+  mutable std::vector<bool> changed_mark_;
   std::vector<uint32_t> ended_;  ///< the last spin whose ray ended in this voxel
   uint32_t spin_ = 0;
-  std::vector<size_t> touched_, changed_;
+  std::vector<size_t> touched_;
+  mutable std::vector<size_t> changed_;
   float hit_, miss_, clamp_min_, clamp_max_;
 };
 
