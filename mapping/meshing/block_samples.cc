@@ -59,9 +59,16 @@ float BlockSamples<Field>::Between(const core::Vec3f& p) const {
             z = static_cast<int>(std::floor(p.z()));
   const float u = p.x() - static_cast<float>(x), v = p.y() - static_cast<float>(y),
               w = p.z() - static_cast<float>(z);
-  const auto line = [&](int j, int k) { return (1 - u) * At(x, j, k) + u * At(x + 1, j, k); };
-  return (1 - w) * ((1 - v) * line(y, z) + v * line(y + 1, z)) +
-         w * ((1 - v) * line(y, z + 1) + v * line(y + 1, z + 1));
+  float sum = 0.0f, weight = 0.0f;
+  for (int i = 0; i < 8; ++i) {
+    const int a = i & 1, b = i >> 1 & 1, c = i >> 2;
+    const float s = At(x + a, y + b, z + c);
+    if (!IsKnown(s)) continue;
+    const float share = (a != 0 ? u : 1 - u) * (b != 0 ? v : 1 - v) * (c != 0 ? w : 1 - w);
+    sum += share * s;
+    weight += share;
+  }
+  return weight > 0.0f ? sum / weight : std::nanf("");
 }
 
 /// Over the known voxels of the 2 x 2 x 2 cell at (2 cx, 2 cy, 2 cz).

@@ -44,7 +44,8 @@ class BlockSamples {
   float At(int x, int y, int z) const {
     return sample_[static_cast<size_t>((x - kBegin) + kRow * ((y - kBegin) + kRow * (z - kBegin)))];
   }
-  /// Between voxel centres, trilinear; NaN next to unknown ones. @pre one voxel inside the bounds.
+  /// Between voxel centres, trilinear over the known ones; NaN among unknown. @pre one voxel inside the
+  /// bounds.
   float Between(const core::Vec3f& p) const;
   /// The sample at the scale it is stored: coarse cells are interpolated between their centres, keeping the
   /// sign of the cell, so that they make slopes and not steps. @pre x, y, z in [0, 9).

@@ -43,9 +43,12 @@ Vec3f SmoothGradient(const BlockSamples<Field>& samples, int x, int y, int z) {
 template <typename Field>
 float Thickness(const BlockSamples<Field>& samples, const Vec3f& p, const Vec3f& inwards, float limit) {
   constexpr float kStep = 0.25f, kBounds = 2.9f;
-  for (float t = kStep; t < std::min(limit, kBounds); t += kStep) {
+  constexpr float kNear = 0.5f;  // nearer, a rough gradient may leave the inside sideways
+  float last = samples.Between(p + kNear * inwards);
+  for (float t = kNear + kStep; t < std::min(limit, kBounds); t += kStep) {
     const float s = samples.Between(p + t * inwards);
-    if (IsKnown(s) && !IsInside(s) && t > 2.0f * kStep) return t;
+    if (IsKnown(s) && !IsInside(s)) return IsInside(last) ? t - kStep * s / (s - last) : t - kStep;
+    last = s;
   }
   return limit;
 }
