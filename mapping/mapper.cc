@@ -40,10 +40,11 @@ const std::vector<CatalogEntry>& Catalog() {
   return kCatalog;
 }
 
-std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box) {
+std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
+                                   const core::LidarModel* lidar) {
   std::vector<std::string> names;
   for (const CatalogEntry& entry : Catalog()) {
-    if (entry.name == params.name) return entry.build(params, object_box);
+    if (entry.name == params.name) return entry.build(params, object_box, lidar);
     names.push_back(entry.name);
   }
   throw core::InputError(core::UnknownName("mapper", params.name, names));

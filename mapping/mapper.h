@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/lidar_model.h"
 #include "core/mesh.h"
 #include "core/params.h"
 #include "core/sensor_events.h"
@@ -44,12 +45,15 @@ class Mapper {
 struct CatalogEntry {
   std::string name;
   std::string doc;
-  std::unique_ptr<Mapper> (*build)(const MapperParams&, const core::Box3& object_box);
+  std::unique_ptr<Mapper> (*build)(const MapperParams&, const core::Box3& object_box,
+                                   const core::LidarModel* lidar);
 };
 const std::vector<CatalogEntry>& Catalog();
 
-/// @throws InputError for an unknown name.
-std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box);
+/// `lidar` made the spins that the mapper will see; null where that is not known (rays are then taken one by
+/// one). It is read here only. @throws InputError for an unknown name.
+std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
+                                   const core::LidarModel* lidar = nullptr);
 
 /// Undistorts the sweep: hits inside `region_map`, in the map frame by per-ray time (odom first, then map;
 /// thesis 3.3), isolated returns removed, at most one point a cell of `spacing_m`.

@@ -14,12 +14,13 @@ enum class CellState : uint8_t { kUnknown, kFree, kOccupied };
 constexpr double kOccupiedProbability = 0.8;
 constexpr double kFreeProbability = 0.2;
 
-/// One voxel on a ray.
+/// One voxel on a ray, or a run of free voxels of one occupancy, which stands for as many samples.
 struct RaySample {
   float occupancy = 0.5f;       ///< probability; 0.5 where never measured
-  float length_m = 0.0f;        ///< of the ray inside the voxel
-  uint64_t key = 0;             ///< the same for the same voxel on any ray
+  float length_m = 0.0f;        ///< of the ray inside the voxel, or all along the run
+  uint64_t key = 0;             ///< the same for the same voxel on any ray; of a run, its first voxel's
   float behind_surface = 0.0f;  ///< D - delta of the proximity count gain, in voxels; 0 where not stored
+  uint32_t voxels = 1;          ///< more than one only where occupancy < kFreeProbability
 };
 
 enum class RayEnd : uint8_t {

@@ -33,9 +33,8 @@ bool Isolated(const core::LidarScan& scan, int row, int column) {
   return true;
 }
 
-}  // namespace
-
-void Undistort(const core::SpinEvent& spin, const Pose& T_map_odom, UndistortedSpin* out) {
+template <bool kVoids>
+void UndistortInto(const core::SpinEvent& spin, const Pose& T_map_odom, UndistortedSpin* out) {
   out->hits.clear();
   out->voids.clear();
   const core::LidarScan& scan = spin.scan;
@@ -46,12 +45,23 @@ void Undistort(const core::SpinEvent& spin, const Pose& T_map_odom, UndistortedS
           static_cast<size_t>(row) * static_cast<size_t>(scan.columns) + static_cast<size_t>(column);
       if (scan.kind[i] == ReturnKind::kDropout) continue;
       const bool hit = scan.kind[i] == ReturnKind::kHit;
+      if (!kVoids && !hit) continue;
       if (hit && Isolated(scan, row, column)) continue;
       const auto& T = poses[static_cast<size_t>(column)];
       const Vec3f direction = T.linear() * scan.direction_lidar[i];
       (hit ? out->hits : out->voids).push_back({T.translation(), direction, hit ? scan.range_m[i] : 0.0f});
     }
   }
+}
+
+}  // namespace
+
+void Undistort(const core::SpinEvent& spin, const Pose& T_map_odom, UndistortedSpin* out) {
+  UndistortInto<true>(spin, T_map_odom, out);
+}
+
+void UndistortHits(const core::SpinEvent& spin, const Pose& T_map_odom, UndistortedSpin* out) {
+  UndistortInto<false>(spin, T_map_odom, out);
 }
 
 bool VoxelFilter::Insert(const Vec3f& p) {

@@ -23,6 +23,8 @@ struct UndistortedSpin {
   std::vector<MapRay> voids;
 };
 void Undistort(const core::SpinEvent& spin, const core::Pose& T_map_odom, UndistortedSpin* out);
+/// The same without its voids.
+void UndistortHits(const core::SpinEvent& spin, const core::Pose& T_map_odom, UndistortedSpin* out);
 
 /// Keeps the first point in each cell of a grid; remembers cells across calls.
 class VoxelFilter {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/files.h"
+#include "mapping/backends/sweep_cloud.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/undistort.h"
 
@@ -13,7 +14,6 @@ namespace atlas::mapping {
 namespace {
 
 using core::Vec3;
-using core::Vec3f;
 
 float LogOdds(double p) {
   return static_cast<float>(std::log(p / (1.0 - p)));
@@ -40,8 +40,7 @@ class OctomapMapper : public Mapper {
   }
 
   core::PointCloud Integrate(const core::Sweep& sweep) override {
-    core::PointCloud cloud;
-    VoxelFilter filter(params_.downsample_m);
+    SweepCloud cloud(params_, grid_.region());
     UndistortedSpin spin;
     for (const core::SpinEvent& event : sweep.spins) {
       Undistort(event, sweep.T_map_odom, &spin);
@@ -49,14 +48,10 @@ class OctomapMapper : public Mapper {
       MarkHits(spin);
       MarkFree(spin);
       ApplyMarks();
-      for (const MapRay& ray : spin.hits) {
-        if (ray.range_m > static_cast<float>(params_.max_range_m)) continue;
-        const Vec3f p = ray.origin_map + ray.range_m * ray.direction_map;
-        if (grid_.region().Contains(p.cast<double>()) && filter.Insert(p)) cloud.points.push_back(p);
-      }
+      cloud.Add(spin);
     }
     view_is_old_ = true;
-    return cloud;
+    return cloud.Take();
   }
 
   const OccupancyView& view() const override {
@@ -94,17 +89,7 @@ class OctomapMapper : public Mapper {
       const int64_t index = grid_.frame().IndexAt(end);
       if (index < 0 || mark_[static_cast<size_t>(index)] == kHitMark) continue;
       Touch(static_cast<size_t>(index), kHitMark);
-      MarkBehind(end, direction);
-    }
-  }
-
-  /// Proximity count (PLANNERS.md 5): stores D - delta in the unmeasured voxels behind a hit.
-  void MarkBehind(const Vec3& end, const Vec3& direction) {
-    const int depth = static_cast<int>(std::round(params_.behind_surface_m / params_.resolution_m));
-    for (int delta = 1; delta <= depth; ++delta) {
-      const int64_t index = grid_.frame().IndexAt(end + delta * params_.resolution_m * direction);
-      if (index < 0) return;
-      grid_.SetBehindSurface(static_cast<size_t>(index), 2 * depth - delta);
+      MarkBehindSurface(end, direction, params_.behind_surface_m, &grid_);
     }
   }
 
@@ -188,7 +173,8 @@ class OctomapMapper : public Mapper {
 
 }  // namespace
 
-std::unique_ptr<Mapper> BuildOctomapMapper(const MapperParams& params, const core::Box3& object_box) {
+std::unique_ptr<Mapper> BuildOctomapMapper(const MapperParams& params, const core::Box3& object_box,
+                                           const core::LidarModel*) {
   return std::make_unique<OctomapMapper>(params, object_box);
 }
 

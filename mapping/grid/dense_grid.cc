@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
+
 #include "core/errors.h"
 
 namespace atlas::mapping {
@@ -13,6 +15,114 @@ using core::Vec3f;
 constexpr double kLogOddsStep = 1.0 / 24.0;
 constexpr int kZeroCode = 128;  // log-odds 0
 constexpr double kMaxVoxels = 4e8;
+
+/// Walks a ray voxel by voxel and knows when it enters another block of 8^3 voxels, which it can cross in one
+/// step. The ray's parameter t is in metres.
+class BlockWalk {
+ public:
+  static constexpr int kSide = 8;
+
+  /// @pre the ray is inside `frame` from `t_begin` to `t_stop`.
+  BlockWalk(const GridFrame& frame, const std::array<int, 3>& blocks, const Vec3& origin,
+            const Vec3& direction, double t_begin, double t_stop)
+      : t_(t_begin), t_stop_(t_stop), t_last_(t_stop - 1e-9) {
+    const Vec3 local = (origin + t_begin * direction - frame.box().min) / frame.resolution_m();
+    int cell[3];
+    for (int a = 0; a < 3; ++a) {
+      const int size = frame.size()[static_cast<size_t>(a)];
+      cell[a] = std::clamp(static_cast<int>(std::floor(local[a])), 0, size - 1);
+      const bool up = direction[a] > 0.0;
+      left_[a] = up ? kSide - (cell[a] & 7) : (cell[a] & 7) + 1;
+      index_jump_[a] = (up ? 1 : -1) * static_cast<int64_t>(frame.IndexOf(a == 0, a == 1, a == 2));
+      block_jump_[a] = (up ? 1 : -1) * (a == 0 ? 1 : a == 1 ? blocks[0] : blocks[0] * blocks[1]);
+      if (direction[a] == 0.0) {
+        t_next_[a] = t_delta_[a] = std::numeric_limits<double>::infinity();
+        per_delta_[a] = 0.0;
+        continue;
+      }
+      const double boundary = frame.box().min[a] + frame.resolution_m() * (cell[a] + (up ? 1 : 0));
+      t_next_[a] = (boundary - origin[a]) / direction[a];
+      t_delta_[a] = frame.resolution_m() / std::abs(direction[a]);
+      per_delta_[a] = 1.0 / t_delta_[a];
+    }
+    index_ = static_cast<int64_t>(frame.IndexOf(cell[0], cell[1], cell[2]));
+    block_ = (cell[0] >> 3) + blocks[0] * ((cell[1] >> 3) + blocks[1] * (cell[2] >> 3));
+  }
+
+  size_t index() const { return static_cast<size_t>(index_); }
+  size_t block() const { return static_cast<size_t>(block_); }
+  double t() const { return t_; }
+
+  /// Calls `visit(index, length_m)` on the voxels up to the end of the block. Returns false when the ray ends
+  /// or `visit` returns false, which `stopped` then tells.
+  template <typename Visit>
+  bool CrossVoxels(bool* stopped, const Visit& visit) {
+    int axis = 0;
+    // Which boundary comes next is as good as random: selects, not branches.
+    do {
+      const bool x_first = (t_next_[0] <= t_next_[1]) & (t_next_[0] <= t_next_[2]);
+      axis = x_first ? 0 : (t_next_[1] <= t_next_[2] ? 1 : 2);
+      const double t_leave = t_next_[axis];
+      const bool last = t_leave >= t_last_;
+      if (!visit(index(), (last ? t_stop_ : t_leave) - t_)) {
+        *stopped = true;
+        return false;
+      }
+      if (last) return false;
+      t_ = t_leave;
+      index_ += index_jump_[axis];
+      t_next_[axis] += t_delta_[axis];
+    } while (--left_[axis] > 0);
+    EnterBlock(axis);
+    return true;
+  }
+
+  /// Crosses the rest of the block at once: adds to the voxels met and their length. Returns false when the
+  /// ray ends.
+  bool CrossBlock(uint32_t* voxels, float* length_m) {
+    int axis = 0;
+    double t_exit = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < 3; ++a) {
+      const double t = t_next_[a] + (left_[a] - 1) * t_delta_[a];
+      if (t < t_exit) {
+        t_exit = t;
+        axis = a;
+      }
+    }
+    const bool last = t_exit >= t_last_;
+    const double t_leave = last ? t_stop_ : t_exit;
+    *voxels += 1;
+    for (int a = 0; a < 3; ++a) {
+      // Boundaries before the end; ties on other axes are left to the next block.
+      int steps = left_[a];
+      if (a != axis || last) {
+        const double ahead = ((last ? t_last_ : t_leave) - t_next_[a]) * per_delta_[a];
+        steps = ahead > 0.0 ? std::min(static_cast<int>(ahead) + 1, left_[a] - 1) : 0;
+      }
+      *voxels += static_cast<uint32_t>(steps - (a == axis && !last ? 1 : 0));
+      index_ += steps * index_jump_[a];
+      t_next_[a] += steps > 0 ? steps * t_delta_[a] : 0.0;
+      left_[a] -= steps;
+    }
+    *length_m += static_cast<float>(t_leave - t_);
+    t_ = t_leave;
+    if (last) return false;
+    EnterBlock(axis);
+    return true;
+  }
+
+ private:
+  void EnterBlock(int axis) {
+    left_[axis] = kSide;
+    block_ += block_jump_[axis];
+  }
+
+  double t_, t_stop_, t_last_;
+  double t_next_[3], t_delta_[3], per_delta_[3];
+  int left_[3];  ///< steps along each axis until the ray leaves the block
+  int64_t index_, block_;
+  int64_t index_jump_[3], block_jump_[3];
+};
 
 core::Box3 SnapOut(const core::Box3& box, double cell) {
   return {(box.min / cell).array().floor() * cell, (box.max / cell).array().ceil() * cell};
@@ -62,12 +172,13 @@ DenseGrid::DenseGrid(const core::Box3& region, double resolution_m)
       table_[static_cast<size_t>(code)] = {static_cast<float>(1.0 / (1.0 + std::exp(-log_odds))), 0.0f};
     }
   }
+  for (size_t a = 0; a < 3; ++a) blocks_[a] = (frame_.size()[a] + kBlockSide - 1) / kBlockSide;
   FinishUpdate();
 }
 
-void DenseGrid::SetLogOdds(size_t index, float log_odds) {
+uint8_t DenseGrid::CodeOf(float log_odds) {
   const int code = kZeroCode + static_cast<int>(std::lround(static_cast<double>(log_odds) / kLogOddsStep));
-  code_[index] = static_cast<uint8_t>(std::clamp(code, kFirstMeasured, 255));
+  return static_cast<uint8_t>(std::clamp(code, kFirstMeasured, 255));
 }
 
 void DenseGrid::SetBehindSurface(size_t index, int value) {
@@ -86,14 +197,34 @@ CellState DenseGrid::StateAt(const Vec3& p_map) const {
 RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, double max_range_m,
                         std::vector<RaySample>* samples) const {
   samples->clear();
-  const uint8_t* const codes = code_.data();
-  const bool stopped =
-      frame_.Walk(origin_map, direction_map, max_range_m, [&](size_t index, double t_enter, double t_leave) {
-        const Decoded voxel = table_[codes[index]];
-        samples->push_back({voxel.occupancy, static_cast<float>(t_leave - t_enter), index, voxel.behind});
-        return voxel.occupancy <= static_cast<float>(kOccupiedProbability);
-      });
-  return stopped ? RayEnd::kOccupied : RayEnd::kVoid;
+  const auto span = frame_.box().Clip(origin_map, direction_map);
+  if (!span || span->first >= max_range_m) return RayEnd::kVoid;
+  BlockWalk walk(frame_, blocks_, origin_map, direction_map, span->first,
+                 std::min(span->second, max_range_m));
+  bool occupied = false, on = true;
+  const auto visit = [&](size_t index, double length_m) {
+    const uint8_t code = code_[index];
+    const Decoded voxel = table_[code];
+    if (IsFreeCode(code) && !samples->empty() && samples->back().occupancy == voxel.occupancy) {
+      samples->back().length_m += static_cast<float>(length_m);
+      ++samples->back().voxels;
+      return true;
+    }
+    samples->push_back({voxel.occupancy, static_cast<float>(length_m), index, voxel.behind});
+    return !IsOccupiedCode(code);
+  };
+  while (on) {
+    if (!block_is_free_[walk.block()]) {
+      on = walk.CrossVoxels(&occupied, visit);
+      continue;
+    }
+    const float occupancy = table_[code_[walk.index()]].occupancy;
+    if (samples->empty() || samples->back().occupancy != occupancy) {
+      samples->push_back({occupancy, 0.0f, walk.index(), 0.0f, 0});
+    }
+    on = walk.CrossBlock(&samples->back().voxels, &samples->back().length_m);
+  }
+  return occupied ? RayEnd::kOccupied : RayEnd::kVoid;
 }
 
 std::vector<Vec3f> DenseGrid::OccupiedCenters() const {
@@ -101,10 +232,54 @@ std::vector<Vec3f> DenseGrid::OccupiedCenters() const {
 }
 
 void DenseGrid::FinishUpdate() {
-  occupied_.clear();
-  for (size_t i = 0; i < code_.size(); ++i) {
-    if (Occupied(i)) occupied_.push_back(frame_.CenterOf(i).cast<float>());
+  FindFreeBlocks();
+  FindOccupied();
+  FillBuckets();
+}
+
+void DenseGrid::FindFreeBlocks() {
+  block_is_free_.assign(
+      static_cast<size_t>(blocks_[0]) * static_cast<size_t>(blocks_[1]) * static_cast<size_t>(blocks_[2]), 0);
+  size_t block = 0;
+  for (int bz = 0; bz < blocks_[2]; ++bz) {
+    for (int by = 0; by < blocks_[1]; ++by) {
+      for (int bx = 0; bx < blocks_[0]; ++bx) block_is_free_[block++] = BlockIsFree(bx, by, bz);
+    }
   }
+}
+
+bool DenseGrid::BlockIsFree(int bx, int by, int bz) const {
+  const int begin[3] = {kBlockSide * bx, kBlockSide * by, kBlockSide * bz};
+  int end[3];
+  for (int a = 0; a < 3; ++a) end[a] = std::min(begin[a] + kBlockSide, frame_.size()[static_cast<size_t>(a)]);
+  const uint8_t code = code_[frame_.IndexOf(begin[0], begin[1], begin[2])];
+  if (!IsFreeCode(code)) return false;
+  const uint8_t like[kBlockSide] = {code, code, code, code, code, code, code, code};
+  const auto width = static_cast<size_t>(end[0] - begin[0]);
+  for (int k = begin[2]; k < end[2]; ++k) {
+    for (int j = begin[1]; j < end[1]; ++j) {
+      const uint8_t* const row = &code_[frame_.IndexOf(begin[0], j, k)];
+      if (std::memcmp(row, like, width) != 0) return false;
+    }
+  }
+  return true;
+}
+
+void DenseGrid::FindOccupied() {
+  occupied_.clear();
+  constexpr size_t kGroup = 64;  // most groups hold none: a vectorised maximum passes them
+  for (size_t first = 0; first < code_.size(); first += kGroup) {
+    const size_t end = std::min(first + kGroup, code_.size());
+    uint8_t max = 0;
+    for (size_t i = first; i < end; ++i) max = std::max(max, code_[i]);
+    if (!IsOccupiedCode(max)) continue;
+    for (size_t i = first; i < end; ++i) {
+      if (Occupied(i)) occupied_.push_back(frame_.CenterOf(i).cast<float>());
+    }
+  }
+}
+
+void DenseGrid::FillBuckets() {
   size_t buckets = 1;
   for (int a = 0; a < 3; ++a) {
     bucket_size_[static_cast<size_t>(a)] =

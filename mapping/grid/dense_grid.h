@@ -46,16 +46,18 @@ class DenseGrid : public OccupancyView {
 
   const GridFrame& frame() const { return frame_; }
   /// Sets a measured voxel's log-odds, rounded to 1/24 for the view.
-  void SetLogOdds(size_t index, float log_odds);
+  void SetLogOdds(size_t index, float log_odds) { code_[index] = CodeOf(log_odds); }
+  /// The same in two steps, for callers that set many voxels from few values.
+  static uint8_t CodeOf(float log_odds);
+  void SetCode(size_t index, uint8_t code) { code_[index] = code; }
   /// Marks an unmeasured voxel as lying behind a surface; the greatest value stays. No effect once measured.
   void SetBehindSurface(size_t index, int value);
   bool Measured(size_t index) const { return code_[index] >= kFirstMeasured; }
-  bool Occupied(size_t index) const {
-    return table_[code_[index]].occupancy > static_cast<float>(kOccupiedProbability);
-  }
-  /// Rebuilds what DistanceToOccupied and OccupiedCenters read. Call after a batch of changes.
+  bool Occupied(size_t index) const { return IsOccupiedCode(code_[index]); }
+  /// Rebuilds what Trace, DistanceToOccupied and OccupiedCenters read besides the voxels. Call after a batch
+  /// of changes.
   void FinishUpdate();
-  size_t Bytes() const { return code_.size(); }
+  size_t Bytes() const { return code_.size() + block_is_free_.size(); }
 
   double resolution_m() const override { return frame_.resolution_m(); }
   const core::Box3& region() const override { return frame_.box(); }
@@ -69,12 +71,23 @@ class DenseGrid : public OccupancyView {
   // Codes: 0 unmeasured; 1..31 unmeasured, that many behind a surface; 32..255 log-odds in steps of 1/24
   // about 128.
   static constexpr int kFirstMeasured = 32;
+  static constexpr int kLastFree = 94, kFirstOccupied = 162;  ///< next to log-odds of 0.2 and 0.8
+  static constexpr int kBlockSide = 8;
   struct Decoded {
     float occupancy, behind;
   };
+  static bool IsFreeCode(uint8_t code) { return code >= kFirstMeasured && code <= kLastFree; }
+  static bool IsOccupiedCode(uint8_t code) { return code >= kFirstOccupied; }
+  void FindFreeBlocks();
+  bool BlockIsFree(int bx, int by, int bz) const;
+  void FindOccupied();
+  void FillBuckets();
   GridFrame frame_;
   std::vector<uint8_t> code_;
   std::array<Decoded, 256> table_;
+  // Blocks of 8^3 voxels that hold one free value throughout, which rays cross in one step.
+  std::array<int, 3> blocks_ = {0, 0, 0};
+  std::vector<uint8_t> block_is_free_;
   std::vector<core::Vec3f> occupied_;
   // Occupied centres by coarse cell, for the distance query.
   double bucket_m_ = 0.5;

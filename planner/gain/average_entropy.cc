@@ -13,10 +13,13 @@ class AverageEntropy final : public Gain {
   void BeginView() override { sum_ = voxels_ = 0.0; }
   void AddRay(std::span<const mapping::RaySample> samples, mapping::RayEnd end, double weight) override {
     if (end != mapping::RayEnd::kOccupied) return;
-    double ray = 0.0;
-    for (const mapping::RaySample& v : samples) ray += entropy_(v.occupancy);
+    double ray = 0.0, voxels = 0.0;
+    for (const mapping::RaySample& v : samples) {
+      ray += v.voxels * entropy_(v.occupancy);
+      voxels += v.voxels;
+    }
     sum_ += weight * ray;
-    voxels_ += weight * static_cast<double>(samples.size());
+    voxels_ += weight * voxels;
   }
   double FinishView() override { return voxels_ > 0.0 ? sum_ / voxels_ : 0.0; }
 

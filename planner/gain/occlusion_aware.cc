@@ -12,9 +12,9 @@ class OcclusionAware final : public RaySumGain {
   double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd) const override {
     double visibility = 1.0, sum = 0.0;
     for (const mapping::RaySample& v : samples) {
-      const double p = v.occupancy;
-      sum += visibility * entropy_(p);  // Eq. 3.4
-      visibility *= 1.0 - p;            // Eq. 3.5
+      const Attenuation voxels = AttenuationOf(v);
+      sum += visibility * voxels.visibility * entropy_(v.occupancy);  // Eq. 3.4
+      visibility *= voxels.passed;                                    // Eq. 3.5
       if (visibility < kNegligibleVisibility) break;
     }
     return sum;

@@ -18,9 +18,8 @@ class RearSideEntropy final : public RaySumGain {
     if (first == hit) return 0.0;
     double visibility = 1.0, sum = 0.0;
     for (size_t i = 0; i < hit && visibility >= kNegligibleVisibility; ++i) {
-      const double p = samples[i].occupancy;
-      if (i >= first) sum += visibility * entropy_(p);  // Eq. 3.6
-      visibility *= 1.0 - p;                            // Eq. 3.5
+      if (i >= first) sum += visibility * entropy_(samples[i].occupancy);  // Eq. 3.6
+      visibility *= AttenuationOf(samples[i]).passed;                      // Eq. 3.5
     }
     return sum;
   }

@@ -12,9 +12,8 @@ class UnobservedVoxel final : public RaySumGain {
   double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd) const override {
     double visibility = 1.0, sum = 0.0;
     for (const mapping::RaySample& v : samples) {
-      const double p = v.occupancy;
-      if (IsUnknown(v.occupancy)) sum += visibility * entropy_(p);
-      visibility *= 1.0 - p;  // Eq. 3.5, over all voxels passed
+      if (IsUnknown(v.occupancy)) sum += visibility * entropy_(v.occupancy);
+      visibility *= AttenuationOf(v).passed;  // Eq. 3.5, over all voxels passed
       if (visibility < kNegligibleVisibility) break;
     }
     return sum;

@@ -40,6 +40,22 @@ class EntropyTable {
   std::array<double, kCells + 2> value_;
 };
 
+/// What a sample does to a sum of visibility over the voxels that it stands for (Eq. 3.4, 3.5).
+struct Attenuation {
+  double passed;      ///< of the visibility in front of the first voxel, what is left behind the last
+  double visibility;  ///< summed over the voxels, each in front of its own, of one in front of the first
+};
+inline Attenuation AttenuationOf(const mapping::RaySample& sample) {
+  const double p = sample.occupancy;
+  if (sample.voxels == 1) return {1.0 - p, 1.0};
+  double passed = 1.0, power = 1.0 - p;
+  for (uint32_t n = sample.voxels; n > 0; n >>= 1) {
+    if (n & 1) passed *= power;
+    power *= power;
+  }
+  return {passed, p > 0.0 ? (1.0 - passed) / p : static_cast<double>(sample.voxels)};
+}
+
 /// Visibility below this cannot change a sum in any digit that matters; the rest of the ray is skipped.
 constexpr double kNegligibleVisibility = 1e-9;
 

@@ -33,11 +33,12 @@ RandomRay DrawRay(core::Rng* rng, bool certain) {
     const float behind =
         !certain && p >= 0.2 && rng->UniformInt(3) == 0 ? static_cast<float>(rng->UniformInt(12)) : 0.0f;
     ray.samples.push_back({static_cast<float>(p), static_cast<float>(rng->Uniform(0.2, 1.7) * kRes),
-                           1 + rng->Next() % 100000, behind});
+                           1 + rng->Next() % 100000, behind, 1});
   }
   if (rng->UniformInt(2) == 0) {
     ray.end = RayEnd::kOccupied;
-    ray.samples.push_back({certain ? 1.0f : 0.95f, static_cast<float>(kRes), 1 + rng->Next() % 100000, 0.0f});
+    ray.samples.push_back(
+        {certain ? 1.0f : 0.95f, static_cast<float>(kRes), 1 + rng->Next() % 100000, 0.0f, 1});
   }
   return ray;
 }
@@ -116,6 +117,28 @@ TEST_P(GainLaw, DoesNotDependOnRayOrderOrKeyValues) {
     }
     const double value = GainOf(gain.get(), rays);
     EXPECT_NEAR(GainOf(gain.get(), moved), value, 1e-9 * (1.0 + value));
+  }
+}
+
+/// Free voxels of one occupancy in a row may come as one sample.
+TEST_P(GainLaw, DoesNotDependOnWhetherFreeVoxelsComeAsRuns) {
+  const auto gain = entry().build(kRes);
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    core::Rng rng(seed);
+    auto runs = DrawView(seed, false);
+    auto voxels = runs;
+    for (size_t r = 0; r < runs.size(); ++r) {
+      voxels[r].samples.clear();
+      for (RaySample& run : runs[r].samples) {
+        if (run.occupancy < 0.2f) run.voxels = 1 + static_cast<uint32_t>(rng.UniformInt(40));
+        RaySample voxel = run;
+        voxel.voxels = 1;
+        voxel.length_m = run.length_m / static_cast<float>(run.voxels);
+        voxels[r].samples.insert(voxels[r].samples.end(), run.voxels, voxel);
+      }
+    }
+    const double value = GainOf(gain.get(), voxels);
+    EXPECT_NEAR(GainOf(gain.get(), runs), value, 1e-6 * (1.0 + value));
   }
 }
 

@@ -1,0 +1,141 @@
+#include "mapping/backends/se_atlas_mapper.h"
+
+#include <array>
+#include <utility>
+
+#include "mapping/backends/sweep_cloud.h"
+#include "mapping/grid/dense_grid.h"
+#include "mapping/integrator/integrator.h"
+#include "mapping/io/map_file.h"
+#include "mapping/undistort.h"
+
+namespace atlas::mapping {
+namespace {
+
+using core::Vec3;
+using core::Vec3f;
+using Field = OccupancyField;
+
+IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3& region) {
+  IntegratorParams integrator;
+  integrator.max_range_m = params.max_range_m;
+  integrator.void_rays = params.void_rays;
+  integrator.void_range_m = params.void_range_m;
+  integrator.region_map = region;
+  return integrator;
+}
+
+class SeAtlasMapper : public Mapper {
+ public:
+  SeAtlasMapper(const MapperParams& params, const core::Box3& object_box, const core::LidarModel* lidar)
+      : params_(params),
+        tree_(params.resolution_m),
+        grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
+        last_hit_(grid_.frame().count(), 0) {
+    const IntegratorParams integrator = IntegratorParamsOf(params, grid_.region());
+    integrator_ = lidar != nullptr ? MakeConeIntegrator<Field>(integrator, *lidar)
+                                   : MakeRayIntegrator<Field>(integrator);
+    for (int v = 0; v < 256; ++v) {
+      const auto value = static_cast<int8_t>(v);
+      code_[static_cast<size_t>(v)] = DenseGrid::CodeOf(static_cast<float>(Field::LogOdds(value)));
+    }
+  }
+
+  core::PointCloud Integrate(const core::Sweep& sweep) override {
+    SweepCloud cloud(params_, grid_.region());
+    UndistortedSpin spin;
+    for (const core::SpinEvent& event : sweep.spins) {
+      integrator_->Integrate(event, sweep.T_map_odom, &tree_);
+      UndistortHits(event, sweep.T_map_odom, &spin);
+      MarkBehind(spin);
+      cloud.Add(spin);
+    }
+    view_is_old_ = true;
+    return cloud.Take();
+  }
+
+  const OccupancyView& view() const override {
+    if (std::exchange(view_is_old_, false)) {
+      for (const auto& [chunk, blocks] : tree_.TakeChanges()) Mirror(*tree_.Find(chunk), blocks);
+      grid_.FinishUpdate();
+    }
+    return grid_;
+  }
+
+  size_t MapBytes() const override { return tree_.Bytes() + grid_.Bytes() + last_hit_.size(); }
+
+  std::string Save(const std::filesystem::path& directory) const override {
+    WriteMap(directory / "map.atlas", tree_);
+    return "map.atlas";
+  }
+
+ private:
+  /// Once a spin for each voxel that was hit, by its first ray.
+  void MarkBehind(const UndistortedSpin& spin) {
+    if (++spin_ == 0) {
+      std::fill(last_hit_.begin(), last_hit_.end(), uint8_t{0});
+      spin_ = 1;
+    }
+    for (const MapRay& ray : spin.hits) {
+      if (ray.range_m > static_cast<float>(params_.max_range_m)) continue;
+      const Vec3 direction = ray.direction_map.cast<double>();
+      const Vec3 end = ray.origin_map.cast<double>() + static_cast<double>(ray.range_m) * direction;
+      const int64_t index = grid_.frame().IndexAt(end);
+      if (index < 0 || std::exchange(last_hit_[static_cast<size_t>(index)], spin_) == spin_) continue;
+      MarkBehindSurface(end, direction, params_.behind_surface_m, &grid_);
+    }
+  }
+
+  /// Copies the measured voxels of a chunk's blocks into the grid.
+  void Mirror(const OccupancyOctree::Chunk& chunk, const BlockMask& blocks) const {
+    OccupancyOctree::FineLeaf leaf;
+    for (int block = 0; block < kChunkBlocks; ++block) {
+      if (!blocks.Test(block)) continue;
+      tree_.Expand(chunk, block, &leaf);
+      const NodeKey at = BlockOffset(block);
+      MirrorBlock({kChunkSide * chunk.key.x + kBlockSide * at.x, kChunkSide * chunk.key.y + kBlockSide * at.y,
+                   kChunkSide * chunk.key.z + kBlockSide * at.z},
+                  leaf);
+    }
+  }
+
+  void MirrorBlock(const NodeKey& first, const OccupancyOctree::FineLeaf& leaf) const {
+    const NodeKey origin = tree_.KeyAt(grid_.region().min + Vec3::Constant(0.5 * params_.resolution_m));
+    const int base[3] = {first.x - origin.x, first.y - origin.y, first.z - origin.z};
+    int lo[3], hi[3];
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = std::max(0, -base[a]);
+      hi[a] = std::min(kBlockSide, grid_.frame().size()[static_cast<size_t>(a)] - base[a]);
+    }
+    for (int k = lo[2]; k < hi[2]; ++k) {
+      for (int j = lo[1]; j < hi[1]; ++j) {
+        if (lo[0] >= hi[0]) return;
+        const size_t row = grid_.frame().IndexOf(base[0] + lo[0], base[1] + j, base[2] + k);
+        for (int i = lo[0]; i < hi[0]; ++i) {
+          const int8_t value = leaf.log_odds[VoxelIndex(i, j, k)];
+          if (Field::Known(value)) {
+            grid_.SetCode(row + static_cast<size_t>(i - lo[0]), code_[static_cast<uint8_t>(value)]);
+          }
+        }
+      }
+    }
+  }
+
+  MapperParams params_;
+  mutable OccupancyOctree tree_;  ///< mutable for its marks of what the mirror lacks
+  mutable DenseGrid grid_;        ///< lags behind the octree by those
+  mutable bool view_is_old_ = false;
+  std::unique_ptr<ScanIntegrator<Field>> integrator_;
+  std::array<uint8_t, 256> code_;  ///< of the grid, by log-odds (as unsigned)
+  std::vector<uint8_t> last_hit_;  ///< the last spin that hit a voxel, counted to 255
+  uint8_t spin_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Mapper> BuildSeAtlasMapper(const MapperParams& params, const core::Box3& object_box,
+                                           const core::LidarModel* lidar) {
+  return std::make_unique<SeAtlasMapper>(params, object_box, lidar);
+}
+
+}  // namespace atlas::mapping

@@ -1,0 +1,41 @@
+// The filtered cloud of a sweep, as every backend returns it (thesis 3.3).
+#pragma once
+
+#include "core/mesh.h"
+#include "mapping/grid/dense_grid.h"
+#include "mapping/mapper.h"
+#include "mapping/undistort.h"
+
+namespace atlas::mapping {
+
+/// Collects the hits of the spins of one sweep: inside the region and the range, one a cell of downsample_m.
+class SweepCloud {
+ public:
+  SweepCloud(const MapperParams& params, const core::Box3& region_map)
+      : filter_(params.downsample_m),
+        max_range_m_(static_cast<float>(params.max_range_m)),
+        region_min_(region_map.min.cast<float>()),
+        region_max_(region_map.max.cast<float>()) {}
+
+  void Add(const UndistortedSpin& spin) {
+    for (const MapRay& ray : spin.hits) {
+      if (ray.range_m > max_range_m_) continue;
+      const core::Vec3f p = ray.origin_map + ray.range_m * ray.direction_map;
+      if ((p.array() < region_min_.array()).any() || (p.array() > region_max_.array()).any()) continue;
+      if (filter_.Insert(p)) cloud_.points.push_back(p);
+    }
+  }
+  core::PointCloud Take() { return std::move(cloud_); }
+
+ private:
+  VoxelFilter filter_;
+  core::PointCloud cloud_;
+  float max_range_m_;
+  core::Vec3f region_min_, region_max_;
+};
+
+/// Stores D - delta of the proximity count gain (PLANNERS.md 5) in the unmeasured voxels behind a hit.
+void MarkBehindSurface(const core::Vec3& end_map, const core::Vec3& direction_map, double depth_m,
+                       DenseGrid* grid);
+
+}  // namespace atlas::mapping
