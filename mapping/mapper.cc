@@ -41,7 +41,7 @@ const std::vector<CatalogEntry>& Catalog() {
 }
 
 std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
-                                   const core::LidarModel* lidar) {
+                                   const std::optional<core::LidarModel>& lidar) {
   std::vector<std::string> names;
   for (const CatalogEntry& entry : Catalog()) {
     if (entry.name == params.name) return entry.build(params, object_box, lidar);

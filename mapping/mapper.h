@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,14 +47,14 @@ struct CatalogEntry {
   std::string name;
   std::string doc;
   std::unique_ptr<Mapper> (*build)(const MapperParams&, const core::Box3& object_box,
-                                   const core::LidarModel* lidar);
+                                   const std::optional<core::LidarModel>& lidar);
 };
 const std::vector<CatalogEntry>& Catalog();
 
-/// `lidar` made the spins that the mapper will see; null where that is not known (rays are then taken one by
-/// one). It is read here only. @throws InputError for an unknown name.
+/// `lidar` made the spins that the mapper will see, absent where that is not known (rays are then taken one
+/// by one). It is read here only. @throws InputError for an unknown name.
 std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
-                                   const core::LidarModel* lidar = nullptr);
+                                   const std::optional<core::LidarModel>& lidar = {});
 
 /// Undistorts the sweep: hits inside `region_map`, in the map frame by per-ray time (odom first, then map;
 /// thesis 3.3), isolated returns removed, at most one point a cell of `spacing_m`.

@@ -174,7 +174,7 @@ class OctomapMapper : public Mapper {
 }  // namespace
 
 std::unique_ptr<Mapper> BuildOctomapMapper(const MapperParams& params, const core::Box3& object_box,
-                                           const core::LidarModel*) {
+                                           const std::optional<core::LidarModel>&) {
   return std::make_unique<OctomapMapper>(params, object_box);
 }
 

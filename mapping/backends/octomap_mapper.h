@@ -11,6 +11,6 @@ namespace atlas::mapping {
 /// before misses (OctoMap's computeUpdate rule); log-odds accumulate in a dense mirror of the region and
 /// reach the octree when it is read, which gives the same tree as one library call a spin, many times faster.
 std::unique_ptr<Mapper> BuildOctomapMapper(const MapperParams& params, const core::Box3& object_box,
-                                           const core::LidarModel* lidar);
+                                           const std::optional<core::LidarModel>& lidar);
 
 }  // namespace atlas::mapping

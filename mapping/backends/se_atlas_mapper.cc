@@ -27,14 +27,15 @@ IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3
 
 class SeAtlasMapper : public Mapper {
  public:
-  SeAtlasMapper(const MapperParams& params, const core::Box3& object_box, const core::LidarModel* lidar)
+  SeAtlasMapper(const MapperParams& params, const core::Box3& object_box,
+                const std::optional<core::LidarModel>& lidar)
       : params_(params),
         tree_(params.resolution_m),
         grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
         last_hit_(grid_.frame().count(), 0) {
     const IntegratorParams integrator = IntegratorParamsOf(params, grid_.region());
-    integrator_ = lidar != nullptr ? MakeConeIntegrator<Field>(integrator, *lidar)
-                                   : MakeRayIntegrator<Field>(integrator);
+    integrator_ =
+        lidar ? MakeConeIntegrator<Field>(integrator, *lidar) : MakeRayIntegrator<Field>(integrator);
     for (int v = 0; v < 256; ++v) {
       const auto value = static_cast<int8_t>(v);
       code_[static_cast<size_t>(v)] = DenseGrid::CodeOf(static_cast<float>(Field::LogOdds(value)));
@@ -134,7 +135,7 @@ class SeAtlasMapper : public Mapper {
 }  // namespace
 
 std::unique_ptr<Mapper> BuildSeAtlasMapper(const MapperParams& params, const core::Box3& object_box,
-                                           const core::LidarModel* lidar) {
+                                           const std::optional<core::LidarModel>& lidar) {
   return std::make_unique<SeAtlasMapper>(params, object_box, lidar);
 }
 

@@ -8,9 +8,9 @@
 namespace atlas::mapping {
 
 /// A multi-resolution occupancy octree, fed spin by spin with per-ray poses: by cones where `lidar` tells the
-/// beam table, ray by ray where it is null. Planners read a dense mirror of the region, which takes over the
-/// octree's changed blocks when it is asked for.
+/// beam table, ray by ray where it is absent. Planners read a dense mirror of the region, which takes over
+/// the octree's changed blocks when it is asked for.
 std::unique_ptr<Mapper> BuildSeAtlasMapper(const MapperParams& params, const core::Box3& object_box,
-                                           const core::LidarModel* lidar);
+                                           const std::optional<core::LidarModel>& lidar);
 
 }  // namespace atlas::mapping
