@@ -33,7 +33,7 @@ struct Mission {
         film(config, options),
         metrics(config, options, scene, robot),
         simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
-        mapper(mapping::MakeMapper(config.mapper, scene.object_box)),
+        mapper(mapping::MakeMapper(config.mapper, scene.object_box, SensorModel().lidar)),
         terrain(config.planner.terrain, robot),
         feed(
             {.cloud_spacing_m = config.mapper.downsample_m}, &terrain, mapper.get(),
