@@ -3,6 +3,8 @@
 
 #include "core/rng.h"
 #include "experiments/record/recorder.h"
+#include "planner/terrain/elevation_map.h"
+#include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 #include "sim/sensors/raycaster.h"
 
@@ -58,6 +60,39 @@ TEST(RoomsSmall, DoorwaysAre90CentimetresWideAndTheCeiling270High) {
       EXPECT_NEAR(rooms.Clear(Vec3(p.x(), p.y(), 1.0) + side * beside, Vec3::UnitZ()), 2.7, 1e-4);
     }
   }
+}
+
+TEST(RoomsSmall, DoorwaysAreFreeToTheRobotOnGroundPerceivedOnTheWay) {
+  RecordOptions options = OptionsFor("rooms_small");
+  options.lidar = "os0_64";
+  options.rate_hz = 1.0;
+  DatasetRecorder recorder(options);
+  const robots::RobotSpec robot = robots::LoadRobot("quadruped");
+  planner::ElevationMap terrain(planner::TerrainParams(), robot);
+  const core::Pose start = recorder.trajectory().poses().front().T;
+  const double below_m = start.translation().z() - robot.stance_height_m;
+  terrain.InitialiseUnderRobot(core::MakePose(start.linear(), start.translation() - Vec3(0, 0, below_m)));
+  const std::pair<Vec2, double> doorways[] = {{{-1.25, -15.8}, 0.0}, {{-6.8, -14.8}, 0.0}};
+  size_t next = 0;
+  core::SpinEvent spin;
+  while (next < std::size(doorways) && recorder.Next(&spin)) {
+    core::StateEvent state;
+    state.time_s = spin.scan.stamp_s;
+    state.T_odom_base = spin.T_odom_lidar.At(state.time_s);
+    state.T_odom_base.translation().z() -= below_m;
+    terrain.OnState(state);
+    terrain.OnSpin(spin);
+    const auto& [middle, yaw_rad] = doorways[next];
+    const Vec2 along(std::cos(yaw_rad), std::sin(yaw_rad));
+    if ((state.T_odom_base.translation().head<2>() - middle).norm() > 1.2) continue;
+    terrain.Update();
+    for (double s = -0.9; s < 0.95; s += 0.1) {
+      EXPECT_TRUE(terrain.FootprintFree(middle + s * along, yaw_rad)) << middle.transpose() << " " << s;
+    }
+    EXPECT_FALSE(terrain.FootprintFree(middle, yaw_rad + 0.5 * core::kPi));  // not sideways
+    ++next;
+  }
+  EXPECT_EQ(next, std::size(doorways));
 }
 
 TEST(RoomsSmall, IsClosedAllAround) {
