@@ -1,0 +1,91 @@
+#include "mapping/integrator/beam_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.h"
+
+namespace atlas::mapping {
+namespace {
+
+constexpr double kLeastPitchRad = 1e-5;
+
+/// Row coordinate of an elevation: linear between beams, going on by the last pitch outside.
+double RowOfElevation(const std::vector<double>& descending, double elevation) {
+  const auto rows = descending.size();
+  size_t below = 1;  // the first row, from 1, that lies below `elevation`; the last at most
+  while (below + 1 < rows && descending[below] > elevation) ++below;
+  const double upper = descending[below - 1], lower = descending[below];
+  return static_cast<double>(below - 1) + (upper - elevation) / (upper - lower);
+}
+
+void FillRowTable(const std::vector<double>& descending, BeamGrid* grid) {
+  const size_t last = descending.size() - 1;
+  const double top = std::min(descending[0] + (descending[0] - descending[1]), 0.5 * core::kPi);
+  const double bottom =
+      std::max(descending[last] - (descending[last - 1] - descending[last]), -0.5 * core::kPi);
+  const double sin_min = std::sin(bottom), sin_max = std::sin(top);
+  grid->sin_min = static_cast<float>(sin_min);
+  grid->intervals_per_sin = static_cast<float>(BeamGrid::kTableIntervals / (sin_max - sin_min));
+  grid->row_of_sin.resize(BeamGrid::kTableIntervals + 1);
+  for (int i = 0; i <= BeamGrid::kTableIntervals; ++i) {
+    const double sine = std::clamp(sin_min + (sin_max - sin_min) * i / BeamGrid::kTableIntervals, -1.0, 1.0);
+    grid->row_of_sin[static_cast<size_t>(i)] =
+        static_cast<float>(RowOfElevation(descending, std::asin(sine)));
+  }
+}
+
+void FillRows(const std::vector<double>& descending, BeamGrid* grid) {
+  const size_t rows = descending.size();
+  for (size_t row = 0; row < rows; ++row) {
+    const double above = row > 0 ? descending[row - 1] - descending[row] : 0.0;
+    const double under = row + 1 < rows ? descending[row] - descending[row + 1] : 0.0;
+    const double pitch = row == 0 ? under : row + 1 == rows ? above : 0.5 * (above + under);
+    grid->elevation_rad.push_back(static_cast<float>(descending[row]));
+    grid->row_pitch_rad.push_back(static_cast<float>(pitch));
+    grid->cos_elevation.push_back(static_cast<float>(std::cos(descending[row])));
+    if (row > 0) grid->min_pitch_rad = std::min(grid->min_pitch_rad, above);
+  }
+  grid->mean_row_pitch_rad = (descending.front() - descending.back()) / static_cast<double>(rows - 1);
+}
+
+}  // namespace
+
+BeamGrid MakeBeamGrid(const core::LidarModel& lidar) {
+  const std::string name = "LiDAR '" + lidar.name + "': ";
+  if (lidar.rows() < 2 || lidar.rows() > 1024) throw core::InputError(name + "needs 2 to 1024 rows of beams");
+  std::vector<double> descending = lidar.elevation_rad;
+  std::sort(descending.rbegin(), descending.rend());
+  for (size_t row = 0; row < descending.size(); ++row) {
+    if (!(std::abs(descending[row]) <= 0.5 * core::kPi)) {
+      throw core::InputError(name + "beam elevation outside +-90 degrees");
+    }
+    if (row > 0 && descending[row - 1] - descending[row] < kLeastPitchRad) {
+      throw core::InputError(name + "two beams have the same elevation");
+    }
+  }
+  BeamGrid grid;
+  grid.rows = lidar.rows();
+  grid.columns =
+      lidar.columns > 0 ? static_cast<int>(std::lround(2.0 * core::kPi / std::abs(lidar.StepRad()))) : 0;
+  if (grid.columns < 16 || grid.columns > 16384) {
+    throw core::InputError(name + "needs 16 to 16384 columns a turn");
+  }
+  grid.column_pitch_rad = 2.0 * core::kPi / grid.columns;
+  grid.min_pitch_rad = grid.column_pitch_rad;
+  const double turn = (lidar.first_azimuth_rad + core::kPi) / grid.column_pitch_rad;
+  grid.phase_rad = -core::kPi + (turn - std::floor(turn)) * grid.column_pitch_rad;
+  FillRows(descending, &grid);
+  FillRowTable(descending, &grid);
+  return grid;
+}
+
+float RowOfSine(const BeamGrid& grid, float sine) {
+  const float x = std::clamp((sine - grid.sin_min) * grid.intervals_per_sin, 0.0f,
+                             static_cast<float>(BeamGrid::kTableIntervals) - 0.001f);
+  const auto i = static_cast<size_t>(x);
+  const float a = grid.row_of_sin[i], b = grid.row_of_sin[i + 1];
+  return a + (x - static_cast<float>(i)) * (b - a);
+}
+
+}  // namespace atlas::mapping

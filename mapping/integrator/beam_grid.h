@@ -1,0 +1,38 @@
+// The ideal grid of a spinning LiDAR: a row for each beam elevation, columns evenly around the turn.
+//
+// Directions become grid coordinates (u, v): u counts columns by ascending azimuth in [0, columns), v counts
+// rows from the highest beam downwards, -0.5 to rows - 0.5 inside. Rows may be at any elevations: their
+// coordinate comes from a table over the sine, linear in the elevation between beams.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/lidar_model.h"
+
+namespace atlas::mapping {
+
+struct BeamGrid {
+  int rows = 0;
+  int columns = 0;
+  double column_pitch_rad = 0.0;
+  double phase_rad = 0.0;      ///< azimuth of column 0, in [-pi, -pi + pitch)
+  double min_pitch_rad = 0.0;  ///< least angle between neighbouring beams: opening of their cones (4.5.1)
+  double mean_row_pitch_rad = 0.0;
+  std::vector<float> elevation_rad;  ///< a row each, descending
+  std::vector<float> row_pitch_rad;  ///< a row each: mean of the angles to its neighbours
+  std::vector<float> cos_elevation;  ///< a row each
+
+  static constexpr int kTableIntervals = 4096;
+  float sin_min = 0.0f;  ///< of the first knot: one pitch below the lowest beam
+  float intervals_per_sin = 0.0f;
+  std::vector<float> row_of_sin;  ///< kTableIntervals + 1 knots
+};
+
+/// @throws InputError for fewer than 2 rows or 16 columns, or elevations that coincide or leave +-90 degrees.
+BeamGrid MakeBeamGrid(const core::LidarModel& lidar);
+
+/// Row coordinate of a direction with this sine of elevation; the same arithmetic as the vectorised ones.
+float RowOfSine(const BeamGrid& grid, float sine);
+
+}  // namespace atlas::mapping

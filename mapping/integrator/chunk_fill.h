@@ -1,0 +1,40 @@
+// Applies a scan to one chunk of the octree.
+#pragma once
+
+#include "mapping/integrator/fill_kernels.h"
+#include "mapping/integrator/hit_scatter.h"
+#include "mapping/octree/octree.h"
+
+namespace atlas::mapping {
+
+/// What every chunk of a scan shares. Read-only while chunks are filled, by any number of threads.
+struct FillContext {
+  const ScanImage* image = nullptr;
+  const ScanFrame* frame = nullptr;
+  const HitScatter* hits = nullptr;
+  NodeKey keep_min, keep_max;  ///< window coordinates of the kept voxels, [min, max)
+  int miss_units = 8;
+  int max_scale = 4;
+  bool lossless = false;
+  int truncation_units = 0;  ///< TSDF: at scale 1
+};
+
+/// A chunk of the window and what its blocks are to the scan.
+struct ChunkWork {
+  NodeKey window;         ///< chunk coordinates in the window
+  size_t index = 0;       ///< in the window
+  bool all_full = false;  ///< no block needs a test of its own
+  bool tested = false;    ///< its blocks are tested
+  bool cut = false;       ///< part of it lies outside what is kept
+  BlockMask mixed, full;
+};
+
+template <typename Field>
+void FillChunk(const FillContext& context, const ChunkWork& work, int worker, Octree<Field>* map,
+               typename Octree<Field>::Chunk* chunk);
+
+template <>
+void FillChunk(const FillContext& context, const ChunkWork& work, int worker, OccupancyOctree* map,
+               OccupancyOctree::Chunk* chunk);
+
+}  // namespace atlas::mapping

@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <ctime>
+
+#include "core/errors.h"
+#include "core/parallel_for.h"
+#include "mapping/integrator/chunk_fill.h"
+#include "mapping/integrator/hit_scatter.h"
+#include "mapping/integrator/integrator.h"
+#include "mapping/integrator/scan_image.h"
+
+namespace atlas::mapping {
+namespace {
+
+double ThreadCpuMs() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+/// Calls body(i, worker) for all i below count; workers take the next one as they come free.
+template <typename Body>
+void ForEachDynamic(int threads, size_t count, const Body& body) {
+  std::atomic<size_t> next{0};
+  core::ParallelFor(threads, static_cast<size_t>(std::max(threads, 1)), [&](size_t, size_t, size_t worker) {
+    for (size_t i = next.fetch_add(1, std::memory_order_relaxed); i < count;
+         i = next.fetch_add(1, std::memory_order_relaxed)) {
+      body(i, static_cast<int>(worker));
+    }
+  });
+}
+
+template <typename Field>
+class ConeIntegrator final : public ScanIntegrator<Field> {
+ public:
+  ConeIntegrator(const IntegratorParams& params, const core::LidarModel& lidar)
+      : params_(params), grid_(MakeBeamGrid(lidar)) {
+    PrepareImage(grid_, &image_);
+  }
+
+  void Integrate(const core::SpinEvent& spin, const core::Pose& T_map_odom, Octree<Field>* map) override {
+    Check(spin.scan);
+    stats_ = {};
+    double clock = ThreadCpuMs();
+    const auto lap = [&clock] {
+      const double before = clock;
+      clock = ThreadCpuMs();
+      return clock - before;
+    };
+    const double resolution = map->resolution_m();
+    const ImageOptions options = OptionsFor(resolution);
+    const ColumnPoses poses = PosesOfScan(spin, params_.motion_aware);
+    const core::Pose T_map_lidar = T_map_odom * poses.T_odom_mid;
+    RemapScan(spin.scan, poses, options, &image_);
+    FindPlanes(T_map_lidar.linear(), options, &image_);
+    BuildTables(options, &image_);
+    hits_.Place(image_, T_map_lidar, resolution, &frame_);
+    stats_.image_ms = lap();
+
+    const FillContext context = ContextFor(resolution);
+    hits_.Scatter(image_, frame_, SurfaceFor(resolution), context.keep_min, context.keep_max);
+    stats_.hit_ms = lap();
+
+    map->SetWorkers(params_.threads);
+    FindChunks(context);
+    ForEachDynamic(params_.threads, work_.size(), [&](size_t i, int) { TestChunkBlocks(&work_[i]); });
+    Fill(context, map);
+    stats_.fill_ms = lap();
+    stats_.rays = spin.scan.size();
+  }
+
+  const IntegrationStats& stats() const override { return stats_; }
+
+ private:
+  void Check(const core::LidarScan& scan) const {
+    const size_t rays = static_cast<size_t>(scan.rows) * static_cast<size_t>(scan.columns);
+    if (scan.rows < 1 || scan.columns < 16 || scan.size() != rays || scan.direction_lidar.size() != rays ||
+        scan.range_m.size() != rays || (!scan.time_s.empty() && scan.time_s.size() != rays)) {
+      throw core::InputError("scan: not organised, or its columns are fewer than 16");
+    }
+  }
+
+  ImageOptions OptionsFor(double resolution) const {
+    ImageOptions o;
+    o.resolution_m = static_cast<float>(resolution);
+    o.max_range_m = static_cast<float>(params_.max_range_m);
+    o.void_range_m = params_.void_rays == "ignore"
+                         ? 0.0f
+                         : static_cast<float>(std::min(params_.void_range_m, params_.max_range_m));
+    o.sigma_min_m = static_cast<float>(params_.sigma_min_m);
+    o.lambda_sigma = static_cast<float>(params_.lambda_sigma);
+    o.remap_stop_rad = static_cast<float>(params_.remap_stop_rad);
+    o.max_scale = params_.max_scale;
+    o.motion_aware = params_.motion_aware;
+    return o;
+  }
+
+  SurfaceModel SurfaceFor(double resolution) const {
+    SurfaceModel m;
+    m.miss_units = static_cast<float>(params_.miss_nats / OccupancyField::kNatsPerUnit);
+    m.sigma_min_voxels = static_cast<float>(params_.sigma_min_m / resolution);
+    m.lambda_sigma = static_cast<float>(params_.lambda_sigma);
+    m.lambda_r = static_cast<float>(params_.lambda_r);
+    m.behind_min_voxels = static_cast<float>(params_.behind_min_voxels);
+    m.behind_max_voxels =
+        static_cast<float>(std::max(params_.behind_max_m / resolution, params_.behind_min_voxels));
+    return m;
+  }
+
+  FillContext ContextFor(double resolution) const {
+    FillContext c;
+    c.image = &image_;
+    c.frame = &frame_;
+    c.hits = &hits_;
+    c.miss_units = static_cast<int>(std::lround(params_.miss_nats / OccupancyField::kNatsPerUnit));
+    c.max_scale = params_.max_scale;
+    c.lossless = params_.lossless;
+    const int chunk[3] = {frame_.first_chunk.x, frame_.first_chunk.y, frame_.first_chunk.z};
+    int low[3], high[3];
+    for (int a = 0; a < 3; ++a) {
+      low[a] = 0;
+      high[a] = frame_.chunks[static_cast<size_t>(a)] * kChunkSide;
+      if (!params_.region_map) continue;
+      const double first = static_cast<double>(chunk[a]) * kChunkSide;
+      const auto bound = [&](double v) { return std::clamp(v - first, 0.0, static_cast<double>(high[a])); };
+      low[a] = static_cast<int>(bound(std::floor(params_.region_map->min[a] / resolution)));
+      high[a] = static_cast<int>(bound(std::ceil(params_.region_map->max[a] / resolution)));
+    }
+    c.keep_min = {low[0], low[1], low[2]};
+    c.keep_max = {high[0], high[1], high[2]};
+    return c;
+  }
+
+  /// The chunks of the window that the scan may change, 16 tested at a time.
+  void FindChunks(const FillContext& context) {
+    work_.clear();
+    const NodeKey &low = context.keep_min, &high = context.keep_max;
+    std::vector<ChunkWork>& group = group_;
+    group.clear();
+    for (int z = low.z >> 6; z << 6 < high.z; ++z) {
+      for (int y = low.y >> 6; y << 6 < high.y; ++y) {
+        for (int x = low.x >> 6; x << 6 < high.x; ++x) {
+          ChunkWork w;
+          w.window = {x, y, z};
+          w.index =
+              static_cast<size_t>(x) +
+              static_cast<size_t>(frame_.chunks[0]) *
+                  (static_cast<size_t>(y) + static_cast<size_t>(frame_.chunks[1]) * static_cast<size_t>(z));
+          group.push_back(w);
+          if (group.size() == 16) TestGroup(context);
+        }
+      }
+    }
+    if (!group.empty()) TestGroup(context);
+  }
+
+  void TestGroup(const FillContext& context) {
+    float x[16] = {}, y[16] = {}, z[16] = {};
+    for (size_t i = 0; i < group_.size(); ++i) {
+      x[i] = static_cast<float>(group_[i].window.x * kChunkSide + kChunkSide / 2);
+      y[i] = static_cast<float>(group_[i].window.y * kChunkSide + kChunkSide / 2);
+      z[i] = static_cast<float>(group_[i].window.z * kChunkSide + kChunkSide / 2);
+    }
+    uint32_t mixed, full;
+    TestBoxes(image_, frame_, x, y, z, kChunkSide / 2, &mixed, &full);
+    const NodeKey &low = context.keep_min, &high = context.keep_max;
+    for (size_t i = 0; i < group_.size(); ++i) {
+      ChunkWork& w = group_[i];
+      const bool inside = w.window.x * 64 >= low.x && w.window.y * 64 >= low.y && w.window.z * 64 >= low.z &&
+                          w.window.x * 64 + 64 <= high.x && w.window.y * 64 + 64 <= high.y &&
+                          w.window.z * 64 + 64 <= high.z;
+      w.all_full = (full >> i & 1) != 0 && inside;
+      w.tested = !w.all_full && ((mixed | full) >> i & 1) != 0;
+      w.cut = !inside;
+      if (w.all_full || w.tested || hits_.Touched(w.index) != nullptr) work_.push_back(w);
+    }
+    group_.clear();
+  }
+
+  void TestChunkBlocks(ChunkWork* work) const {
+    const NodeKey corner{work->window.x * kChunkSide, work->window.y * kChunkSide,
+                         work->window.z * kChunkSide};
+    if (work->all_full) {
+      work->full.bits.fill(~uint64_t{0});
+    } else if (work->tested) {
+      TestBlocks(image_, frame_, corner, &work->mixed, &work->full);
+    }
+  }
+
+  void Fill(const FillContext& context, Octree<Field>* map) {
+    chunks_.assign(work_.size(), nullptr);
+    for (size_t i = 0; i < work_.size(); ++i) {
+      const ChunkWork& w = work_[i];
+      if (!w.mixed.Any() && !w.full.Any() && hits_.Touched(w.index) == nullptr) continue;
+      const NodeKey& first = frame_.first_chunk;
+      chunks_[i] = map->FindOrCreate({first.x + w.window.x, first.y + w.window.y, first.z + w.window.z});
+    }
+    ForEachDynamic(params_.threads, work_.size(), [&](size_t i, int worker) {
+      if (chunks_[i] != nullptr) FillChunk(context, work_[i], worker, map, chunks_[i]);
+    });
+  }
+
+  IntegratorParams params_;
+  BeamGrid grid_;
+  ScanImage image_;
+  ScanFrame frame_;
+  HitScatter hits_;
+  std::vector<ChunkWork> work_, group_;
+  std::vector<typename Octree<Field>::Chunk*> chunks_;
+  IntegrationStats stats_;
+};
+
+}  // namespace
+
+template <>
+std::unique_ptr<ScanIntegrator<OccupancyField>> MakeConeIntegrator(const IntegratorParams& params,
+                                                                   const core::LidarModel& lidar) {
+  return std::make_unique<ConeIntegrator<OccupancyField>>(params, lidar);
+}
+
+}  // namespace atlas::mapping

@@ -1,0 +1,177 @@
+#include "mapping/integrator/hit_scatter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace atlas::mapping {
+namespace {
+
+constexpr int kStepsInFront = 2, kStepsBehind = 4;  ///< voxels walked along the beam from its end
+constexpr int kWindowMargin = 8;                    ///< voxels beyond the outermost ray end
+
+struct Vec3Float {
+  float x, y, z;
+};
+
+/// Steps from voxel to voxel along a line through `p`, forwards or backwards.
+class VoxelWalk {
+ public:
+  VoxelWalk(const Vec3Float& p, const Vec3Float& direction, const NodeKey& start, float sign)
+      : voxel_(start) {
+    const float d[3] = {sign * direction.x, sign * direction.y, sign * direction.z};
+    const float at[3] = {p.x, p.y, p.z};
+    const int32_t cell[3] = {start.x, start.y, start.z};
+    for (int i = 0; i < 3; ++i) {
+      const bool up = d[i] > 0.0f;
+      step_[i] = up ? 1 : -1;
+      per_voxel_[i] = std::abs(d[i]) > 1e-9f ? 1.0f / std::abs(d[i]) : std::numeric_limits<float>::max();
+      const float inside = at[i] - static_cast<float>(cell[i]);
+      next_[i] = std::abs(d[i]) > 1e-9f ? (up ? 1.0f - inside : inside) * per_voxel_[i]
+                                        : std::numeric_limits<float>::max();
+    }
+  }
+  const NodeKey& Next() {
+    if (next_[0] < next_[1] && next_[0] < next_[2]) {
+      voxel_.x += step_[0];
+      next_[0] += per_voxel_[0];
+    } else if (next_[1] < next_[2]) {
+      voxel_.y += step_[1];
+      next_[1] += per_voxel_[1];
+    } else {
+      voxel_.z += step_[2];
+      next_[2] += per_voxel_[2];
+    }
+    return voxel_;
+  }
+
+ private:
+  NodeKey voxel_;
+  int32_t step_[3];
+  float per_voxel_[3], next_[3];
+};
+
+}  // namespace
+
+void HitScatter::Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m,
+                       ScanFrame* frame) {
+  const size_t cells = image.range.size();
+  for (auto* v : {&wx_, &wy_, &wz_}) v->resize(cells);
+  float m[9];
+  for (int i = 0; i < 9; ++i) m[i] = static_cast<float>(T_map_lidar.linear()(i / 3, i % 3) / resolution_m);
+  float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
+  for (size_t i = 0; i < cells; ++i) {
+    const float r = image.range[i];
+    const float scale = r < 0.0f ? -r : r > 0.0f ? 1.0f : 0.0f;
+    const float x = image.x[i] * scale, y = image.y[i] * scale, z = image.z[i] * scale;
+    const float wx = m[0] * x + m[1] * y + m[2] * z, wy = m[3] * x + m[4] * y + m[5] * z,
+                wz = m[6] * x + m[7] * y + m[8] * z;
+    wx_[i] = wx;
+    wy_[i] = wy;
+    wz_[i] = wz;
+    low[0] = std::min(low[0], wx), high[0] = std::max(high[0], wx);
+    low[1] = std::min(low[1], wy), high[1] = std::max(high[1], wy);
+    low[2] = std::min(low[2], wz), high[2] = std::max(high[2], wz);
+  }
+  int32_t first[3];
+  for (int a = 0; a < 3; ++a) {
+    const double sensor = T_map_lidar.translation()[a] / resolution_m;
+    first[a] =
+        static_cast<int32_t>(std::floor((sensor + static_cast<double>(low[a]) - kWindowMargin) / kChunkSide));
+    const auto last = static_cast<int32_t>(
+        std::floor((sensor + static_cast<double>(high[a]) + kWindowMargin) / kChunkSide));
+    frame->chunks[static_cast<size_t>(a)] = last - first[a] + 1;
+    frame->sensor[a] = static_cast<float>(sensor - static_cast<double>(first[a]) * kChunkSide);
+    for (int c = 0; c < 3; ++c) {
+      frame->axis[a][c] = static_cast<float>(T_map_lidar.linear()(a, c) * resolution_m);
+    }
+  }
+  frame->first_chunk = {first[0], first[1], first[2]};
+  frame->resolution_m = static_cast<float>(resolution_m);
+}
+
+HitBlock* HitScatter::BlockAt(const NodeKey& voxel) {
+  const size_t chunk =
+      static_cast<size_t>(voxel.x >> 6) +
+      static_cast<size_t>(window_[0]) * (static_cast<size_t>(voxel.y >> 6) +
+                                         static_cast<size_t>(window_[1]) * static_cast<size_t>(voxel.z >> 6));
+  uint32_t& chunk_slot = slot_of_chunk_[chunk];
+  if (chunk_slot == 0) {
+    chunk_slot = static_cast<uint32_t>(chunks_used_++);
+    if (chunks_.size() < chunks_used_) chunks_.resize(chunks_used_);
+    chunks_[chunk_slot].touched = BlockMask{};
+  }
+  ChunkHits& hits = chunks_[chunk_slot];
+  const int block = BlockIndexOf(voxel);
+  if (!hits.touched.Test(block)) {
+    hits.touched.Set(block);
+    hits.slot[static_cast<size_t>(block)] = static_cast<uint32_t>(blocks_used_++);
+    if (blocks_.size() < blocks_used_) blocks_.resize(std::max<size_t>(2 * blocks_.size(), 256));
+    std::memset(blocks_[blocks_used_ - 1].delta, 0, kBlockVoxels);
+  }
+  return &blocks_[hits.slot[static_cast<size_t>(block)]];
+}
+
+void HitScatter::Raise(const NodeKey& voxel, int delta) {
+  if (voxel.x < keep_min_.x || voxel.y < keep_min_.y || voxel.z < keep_min_.z || voxel.x >= keep_max_.x ||
+      voxel.y >= keep_max_.y || voxel.z >= keep_max_.z) {
+    return;
+  }
+  int8_t& held = BlockAt(voxel)->delta[VoxelIndex(voxel.x, voxel.y, voxel.z)];
+  if (held == 0 || delta > held) held = static_cast<int8_t>(delta);
+}
+
+void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
+                         const NodeKey& keep_min, const NodeKey& keep_max) {
+  window_ = frame.chunks;
+  keep_min_ = keep_min;
+  keep_max_ = keep_max;
+  slot_of_chunk_.assign(
+      static_cast<size_t>(window_[0]) * static_cast<size_t>(window_[1]) * static_cast<size_t>(window_[2]), 0);
+  chunks_used_ = 1;  // 0 marks none
+  blocks_used_ = 0;
+  if (chunks_.empty()) chunks_.resize(1);
+  const float inverse = 1.0f / frame.resolution_m;
+  const auto units = [&](float distance, float range) {
+    const float value = model.LogOdds(distance, range);
+    const int rounded = static_cast<int>(std::floor(value + 0.5f));
+    return std::clamp(rounded != 0 ? rounded : distance < 0.0f ? -1 : 1, -127, 127);
+  };
+  for (size_t i = 0; i < image.range.size(); ++i) {
+    if (image.range[i] <= 0.0f) continue;
+    const float range = image.range[i] * inverse;
+    const Vec3Float p{frame.sensor[0] + wx_[i], frame.sensor[1] + wy_[i], frame.sensor[2] + wz_[i]};
+    const Vec3Float direction{wx_[i] / range, wy_[i] / range, wz_[i] / range};
+    Vec3Float n;  // into the surface, per voxel
+    float* into[3] = {&n.x, &n.y, &n.z};
+    for (int a = 0; a < 3; ++a) {
+      *into[a] = -inverse * (frame.axis[a][0] * image.nx[i] + frame.axis[a][1] * image.ny[i] +
+                             frame.axis[a][2] * image.nz[i]);
+    }
+    const float shift = image.support[i] * inverse;
+    const float depth = model.Depth(range);
+    const float band = 3.0f * std::max(model.sigma_min_voxels, model.lambda_sigma * range);
+    const NodeKey end{static_cast<int32_t>(p.x), static_cast<int32_t>(p.y), static_cast<int32_t>(p.z)};
+    const auto distance_to = [&](const NodeKey& v) {
+      return n.x * (static_cast<float>(v.x) + 0.5f - p.x) + n.y * (static_cast<float>(v.y) + 0.5f - p.y) +
+             n.z * (static_cast<float>(v.z) + 0.5f - p.z) + shift;
+    };
+    Raise(end, std::max(1, units(std::min(distance_to(end), depth), range)));
+    VoxelWalk behind(p, direction, end, 1.0f);
+    for (int step = 0; step < kStepsBehind; ++step) {
+      const NodeKey& voxel = behind.Next();
+      const float distance = distance_to(voxel);
+      if (distance > depth) break;
+      Raise(voxel, units(distance, range));
+    }
+    VoxelWalk front(p, direction, end, -1.0f);
+    for (int step = 0; step < kStepsInFront; ++step) {
+      const NodeKey& voxel = front.Next();
+      const float distance = distance_to(voxel);
+      if (distance <= -band) break;
+      Raise(voxel, units(distance, range));
+    }
+  }
+}
+
+}  // namespace atlas::mapping

@@ -1,0 +1,75 @@
+// Surfaces by Eq. 4.2, scattered hit by hit into the blocks that a scan's beams end in.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mapping/integrator/fill_kernels.h"
+#include "mapping/integrator/scan_image.h"
+#include "mapping/octree/octree.h"
+
+namespace atlas::mapping {
+
+/// Eq. 4.2 in units of OccupancyField and voxels.
+struct SurfaceModel {
+  float miss_units = 8.0f;        ///< -L_min
+  float sigma_min_voxels = 0.3f;  ///< sigma(d) = max(sigma_min, lambda_sigma d)
+  float lambda_sigma = 0.0005f;
+  float lambda_r = 0.02f;          ///< occupied depth behind the surface, a share of the range ...
+  float behind_min_voxels = 1.5f;  ///< ... at least
+  float behind_max_voxels = 5.0f;  ///< ... and at most
+
+  /// Log-odds of a voxel whose surface-shifted signed distance is `distance_voxels`, negative in front.
+  /// @pre distance_voxels <= Depth(range).
+  float LogOdds(float distance_voxels, float range_voxels) const {
+    const float band = 3.0f * std::max(sigma_min_voxels, lambda_sigma * range_voxels);
+    const float half = 0.5f * Depth(range_voxels);
+    if (distance_voxels <= -band) return -miss_units;
+    return miss_units / band * std::min(distance_voxels, half);
+  }
+  float Depth(float range_voxels) const {
+    return std::clamp(lambda_r * range_voxels, behind_min_voxels, behind_max_voxels);
+  }
+};
+
+/// Updates of the voxels near a scan's hits: 0 untouched, else the greatest over the hits.
+struct HitBlock {
+  alignas(64) int8_t delta[kBlockVoxels];
+};
+
+class HitScatter {
+ public:
+  /// Where the hits of the image lie against the lattice: fills `frame`'s window so that it holds every ray's
+  /// end, and keeps window coordinates for Scatter.
+  void Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m, ScanFrame* frame);
+
+  /// @param keep_min, keep_max  voxels outside [min, max) of the window are left out.
+  void Scatter(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
+               const NodeKey& keep_min, const NodeKey& keep_max);
+
+  /// Of a chunk of the window by its index x + chunks[0] * (y + chunks[1] * z); null where no hit touched it.
+  const BlockMask* Touched(size_t chunk) const {
+    return slot_of_chunk_[chunk] == 0 ? nullptr : &chunks_[slot_of_chunk_[chunk]].touched;
+  }
+  const HitBlock& Block(size_t chunk, int block) const {
+    return blocks_[chunks_[slot_of_chunk_[chunk]].slot[static_cast<size_t>(block)]];
+  }
+
+ private:
+  struct ChunkHits {
+    BlockMask touched;
+    std::array<uint32_t, kChunkBlocks> slot;
+  };
+  HitBlock* BlockAt(const NodeKey& voxel);
+  void Raise(const NodeKey& voxel, int delta);
+
+  std::vector<float> wx_, wy_, wz_;  ///< ends of the hits from the sensor, voxels along the map's axes
+  std::vector<uint32_t> slot_of_chunk_;
+  std::vector<ChunkHits> chunks_;
+  std::vector<HitBlock> blocks_;
+  size_t blocks_used_ = 0, chunks_used_ = 0;
+  std::array<int, 3> window_ = {};
+  NodeKey keep_min_, keep_max_;
+};
+
+}  // namespace atlas::mapping

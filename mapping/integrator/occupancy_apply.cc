@@ -1,0 +1,110 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mapping/integrator/occupancy_apply.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "mapping/integrator/occupancy_apply.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D8 = hn::CappedTag<int8_t, 64>;
+using V8 = hn::Vec<D8>;
+using M8 = hn::Mask<D8>;
+
+HWY_INLINE M8 MaskOf(D8 d, uint64_t bits) {
+  return hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
+}
+
+HWY_INLINE uint64_t BitsOf(D8 d, M8 mask) {
+  uint64_t bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
+  return bits;
+}
+
+/// The value after an update; `delta` 0 leaves it.
+HWY_INLINE V8 Update(D8 d, V8 value, V8 delta) {
+  const V8 zero = hn::Zero(d);
+  V8 sum = hn::SaturatedAdd(value, delta);
+  sum = hn::Min(hn::Max(sum, hn::Set(d, OccupancyField::kMin)), hn::Set(d, OccupancyField::kMax));
+  const M8 cancelled = hn::AndNot(hn::Eq(delta, zero), hn::Eq(sum, zero));
+  return hn::IfThenElse(cancelled, hn::Set(d, 1), sum);
+}
+
+ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const int8_t* delta, int miss_units) {
+  const D8 d;
+  const size_t lanes = hn::Lanes(d);
+  const V8 zero = hn::Zero(d), none = hn::Set(d, OccupancyField::kNoneObserved);
+  const V8 miss = hn::Set(d, static_cast<int8_t>(-miss_units));
+  V8 max = none, min = hn::Set(d, 127), difference = zero, unknown = zero;
+  for (int layer = 0; layer < layers; ++layer) {
+    const uint64_t bits = free == nullptr ? ~uint64_t{0} : free[layer];
+    for (size_t i = 0; i < 64; i += lanes) {
+      const size_t at = 64 * static_cast<size_t>(layer) + i;
+      const V8 old = hn::LoadU(d, values + at);
+      V8 change = hn::IfThenElseZero(MaskOf(d, bits >> i), miss);
+      if (delta != nullptr) {
+        const V8 hit = hn::LoadU(d, delta + at);
+        change = hn::IfThenElse(hn::Eq(hit, zero), change, hit);
+      }
+      const V8 now = Update(d, old, change);
+      hn::StoreU(now, d, values + at);
+      difference = hn::Or(difference, hn::Xor(now, old));
+      max = hn::Max(max, hn::IfThenElse(hn::Eq(now, zero), none, now));
+      min = hn::Min(min, now);
+      unknown = hn::Or(unknown, hn::VecFromMask(d, hn::Eq(now, zero)));
+    }
+  }
+  int8_t maxima[64], minima[64];
+  hn::StoreU(max, d, maxima);
+  hn::StoreU(min, d, minima);
+  ApplyResult result;
+  int greatest = OccupancyField::kNoneObserved, least = 127;
+  for (size_t i = 0; i < lanes; ++i) {
+    greatest = std::max<int>(greatest, maxima[i]);
+    least = std::min<int>(least, minima[i]);
+  }
+  result.node.max = static_cast<int8_t>(greatest);
+  result.min = static_cast<int8_t>(least);
+  result.node.any_unknown = !hn::AllTrue(d, hn::Eq(unknown, zero));
+  result.changed = !hn::AllTrue(d, hn::Eq(difference, zero));
+  return result;
+}
+
+uint64_t Miss(int8_t* values, uint64_t which, int miss_units) {
+  const D8 d;
+  uint64_t changed = 0;
+  const V8 miss = hn::Set(d, static_cast<int8_t>(-miss_units));
+  for (size_t i = 0; i < 64; i += hn::Lanes(d)) {
+    const V8 old = hn::LoadU(d, values + i);
+    const V8 now = Update(d, old, hn::IfThenElseZero(MaskOf(d, which >> i), miss));
+    hn::StoreU(now, d, values + i);
+    changed |= BitsOf(d, hn::Ne(now, old)) << i;
+  }
+  return changed;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace atlas::mapping {
+namespace {
+HWY_EXPORT(Apply);
+HWY_EXPORT(Miss);
+}  // namespace
+
+ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const int8_t* delta,
+                          int miss_units) {
+  return HWY_DYNAMIC_DISPATCH(Apply)(values, layers, free, delta, miss_units);
+}
+
+uint64_t ApplyMiss(int8_t* values, uint64_t which, int miss_units) {
+  return HWY_DYNAMIC_DISPATCH(Miss)(values, which, miss_units);
+}
+
+}  // namespace atlas::mapping
+#endif

@@ -1,0 +1,25 @@
+// Adds a scan's evidence to stored log-odds, many voxels at a time.
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/octree/fields.h"
+
+namespace atlas::mapping {
+
+/// What became of the values that were updated.
+struct ApplyResult {
+  OccupancyField::Node node;
+  int8_t min = 0;  ///< least value, unknown ones counting as 0
+  bool changed = false;
+};
+
+/// `layers` times 64 values. Where delta (may be null) is not 0, adds it; else where a bit of free (may be
+/// null for all) is set, subtracts miss_units. Clamped; known evidence that cancels is held as 1.
+ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const int8_t* delta,
+                          int miss_units);
+
+/// The same miss on those of 64 values whose bit is set; returns the bits that changed.
+uint64_t ApplyMiss(int8_t* values, uint64_t which, int miss_units);
+
+}  // namespace atlas::mapping

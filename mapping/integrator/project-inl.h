@@ -1,0 +1,98 @@
+// Vectors of directions to grid coordinates, for each SIMD target. Included again for each by
+// hwy/foreach_target.h. Only operations that IEEE 754 rounds exactly, so that all targets agree to the bit.
+#if defined(ATLAS_MAPPING_INTEGRATOR_PROJECT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATLAS_MAPPING_INTEGRATOR_PROJECT_INL_H_
+#undef ATLAS_MAPPING_INTEGRATOR_PROJECT_INL_H_
+#else
+#define ATLAS_MAPPING_INTEGRATOR_PROJECT_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "mapping/integrator/beam_grid.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Logical groups have 16 lanes on every target, worked Lanes(d) at a time.
+constexpr size_t kGroup = 16;
+using DF = hn::CappedTag<float, kGroup>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+using MF = hn::Mask<DF>;
+
+HWY_INLINE uint32_t BitsOf(DF d, MF mask) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return static_cast<uint32_t>(bytes[0]) | static_cast<uint32_t>(bytes[1]) << 8;
+}
+
+/// Largest integer not above x. @pre x >= 0.
+HWY_INLINE VI FloorPositive(DI di, VF x) {
+  return hn::ConvertTo(di, x);
+}
+
+/// atan(t) for |t| <= 1, error below 2e-6 rad (least maximum error fit of six odd terms).
+HWY_INLINE VF AtanOfUnit(DF d, VF t) {
+  const VF s = hn::Mul(t, t);
+  VF p = hn::Set(d, -0.0117191346f);
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, 0.0526473495f));
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, -0.116426482f));
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, 0.193540377f));
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, -0.332622828f));
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, 0.999977219f));
+  return hn::Mul(p, t);
+}
+
+/// atan(t) for |t| <= 0.45, error below 3e-7 rad.
+HWY_INLINE VF AtanOfSmall(DF d, VF t) {
+  const VF s = hn::Mul(t, t);
+  VF p = hn::Set(d, -0.102827862f);
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, 0.194425039f));
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, -0.33303453f));
+  p = hn::Add(hn::Mul(p, s), hn::Set(d, 0.999995622f));
+  return hn::Mul(p, t);
+}
+
+HWY_INLINE VF Azimuth(DF d, VF x, VF y) {
+  const VF ax = hn::Abs(x), ay = hn::Abs(y);
+  const VF ratio = hn::Div(hn::Min(ax, ay), hn::Max(hn::Max(ax, ay), hn::Set(d, 1e-9f)));
+  VF a = AtanOfUnit(d, ratio);
+  a = hn::IfThenElse(hn::Gt(ay, ax), hn::Sub(hn::Set(d, 1.57079633f), a), a);
+  a = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 3.14159265f), a), a);
+  return hn::CopySign(a, y);
+}
+
+/// u wrapped into [0, columns), from at most a turn outside.
+HWY_INLINE VF WrapColumn(DF d, VF u, float columns) {
+  const VF w = hn::Set(d, columns);
+  u = hn::IfThenElse(hn::Lt(u, hn::Zero(d)), hn::Add(u, w), u);
+  return hn::IfThenElse(hn::Ge(u, w), hn::Sub(u, w), u);
+}
+
+HWY_INLINE VF ColumnOf(DF d, const BeamGrid& grid, VF x, VF y) {
+  const VF u = hn::Mul(hn::Sub(Azimuth(d, x, y), hn::Set(d, static_cast<float>(grid.phase_rad))),
+                       hn::Set(d, static_cast<float>(1.0 / grid.column_pitch_rad)));
+  return WrapColumn(d, u, static_cast<float>(grid.columns));
+}
+
+/// As RowOfSine.
+HWY_INLINE VF RowOf(DF d, const BeamGrid& grid, VF sine) {
+  const DI di;
+  const VF top = hn::Set(d, static_cast<float>(BeamGrid::kTableIntervals) - 0.001f);
+  VF x = hn::Mul(hn::Sub(sine, hn::Set(d, grid.sin_min)), hn::Set(d, grid.intervals_per_sin));
+  x = hn::Min(hn::Max(x, hn::Zero(d)), top);
+  const VI i = FloorPositive(di, x);
+  const VF a = hn::GatherIndex(d, grid.row_of_sin.data(), i);
+  const VF b = hn::GatherIndex(d, grid.row_of_sin.data() + 1, i);
+  return hn::Add(a, hn::Mul(hn::Sub(x, hn::ConvertTo(d, i)), hn::Sub(b, a)));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,205 @@
+// The plane of the surface through each hit, from the hits around it.
+//
+// On a plane the inverse range is linear in the angle (for small steps), so slopes are taken from inverse
+// ranges: exact at any incidence. Each axis takes the mean slope where both neighbours continue one plane,
+// else the flatter side, else none (a lone return counts as seen head on). Near the sensor neighbours lie
+// several beams off, so that range noise does not tilt the plane.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mapping/integrator/scan_planes.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "mapping/integrator/project-inl.h"
+#include "mapping/integrator/scan_image.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+
+constexpr float kBaselineM = 0.10f;
+constexpr int kWidestColumns = 8, kWidestRows = 4;
+constexpr float kBendShare = 0.25f;    ///< of the slopes: what two sides of one plane may differ by
+constexpr float kRangeNoiseM = 0.06f;  ///< of a second difference of ranges
+constexpr float kStepSlope = 4.0f;     ///< steeper on both sides, apart: a thin thing or a gap
+constexpr float kGrazing = 25.0f;      ///< greatest 1 / cos(incidence) that counts
+
+/// d(range) / d(angle) / range on one side, where that side has a hit.
+struct Side {
+  VF slope;
+  MF hit;
+};
+
+/// Range `steps` cells along; not a hit outside the image.
+HWY_INLINE VF RangeAt(DF d, const ScanImage& image, VI row, VI column) {
+  const DI di;
+  const VI columns = hn::Set(di, image.columns);
+  column = hn::IfThenElse(hn::Lt(column, hn::Zero(di)), hn::Add(column, columns), column);
+  column = hn::IfThenElse(hn::Gt(column, hn::Set(di, image.columns - 1)), hn::Sub(column, columns), column);
+  const VI last = hn::Set(di, image.rows - 1);
+  const VI clamped = hn::Min(hn::Max(row, hn::Zero(di)), last);
+  const VF range = hn::GatherIndex(d, image.range.data(), hn::Add(hn::Mul(clamped, columns), column));
+  return hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(row, clamped)), range);
+}
+
+/// `sign` is +1 where the neighbour lies towards greater angle.
+HWY_INLINE Side SlopeTo(DF d, VF range, VF q, VF neighbour, VF angle, float sign) {
+  const MF hit = hn::Gt(neighbour, hn::Zero(d));
+  const VF q_near = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(hit, neighbour, range));
+  const VF slope = hn::Div(hn::Mul(hn::Sub(q, q_near), hn::Set(d, sign)), hn::Mul(angle, q));
+  return {slope, hit};
+}
+
+HWY_INLINE VF JoinSides(DF d, Side a, Side b, VF q, VF angle) {
+  const VF zero = hn::Zero(d);
+  const MF both = hn::And(a.hit, b.hit);
+  const VF bend = hn::Abs(hn::Sub(a.slope, b.slope));
+  const VF allowed = hn::Add(hn::Mul(hn::Add(hn::Abs(a.slope), hn::Abs(b.slope)), hn::Set(d, kBendShare)),
+                             hn::Div(hn::Mul(q, hn::Set(d, kRangeNoiseM)), angle));
+  const VF mean = hn::Mul(hn::Add(a.slope, b.slope), hn::Set(d, 0.5f));
+  const VF flatter = hn::IfThenElse(hn::Lt(hn::Abs(a.slope), hn::Abs(b.slope)), a.slope, b.slope);
+  const VF steep = hn::Set(d, kStepSlope);
+  const MF apart = hn::And(hn::Lt(hn::Mul(a.slope, b.slope), zero),
+                           hn::And(hn::Gt(hn::Abs(a.slope), steep), hn::Gt(hn::Abs(b.slope), steep)));
+  const VF two = hn::IfThenElse(hn::Le(bend, allowed), mean, hn::IfThenElse(apart, zero, flatter));
+  const VF one = hn::IfThenElse(a.hit, a.slope, hn::IfThenElseZero(b.hit, b.slope));
+  return hn::IfThenElse(both, two, one);
+}
+
+/// How many cells apart neighbours are taken, so that they lie kBaselineM apart.
+HWY_INLINE VI StepsFor(DF d, VF q, float pitch_rad, int widest) {
+  const DI di;
+  const VF steps = hn::Mul(q, hn::Set(d, kBaselineM / pitch_rad));
+  const VF most = hn::Set(d, static_cast<float>(widest));
+  return FloorPositive(di, hn::Min(hn::Max(steps, hn::Set(d, 1.0f)), most));
+}
+
+struct Slopes {
+  VF azimuth, elevation;
+};
+
+HWY_INLINE Slopes SlopesOf(DF d, const ScanImage& image, int row, size_t column, VF range) {
+  const DI di;
+  const BeamGrid& grid = *image.grid;
+  const auto at = static_cast<size_t>(row);
+  const VF q = hn::Div(hn::Set(d, 1.0f), range);
+  const VI here = hn::Iota(di, static_cast<int>(column)), this_row = hn::Set(di, row);
+
+  const float pitch_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at];
+  const VI ku = StepsFor(d, q, pitch_u, kWidestColumns);
+  const VF angle_u = hn::Mul(hn::ConvertTo(d, ku), hn::Set(d, pitch_u));
+  const Side right = SlopeTo(d, range, q, RangeAt(d, image, this_row, hn::Add(here, ku)), angle_u, 1.0f);
+  const Side left = SlopeTo(d, range, q, RangeAt(d, image, this_row, hn::Sub(here, ku)), angle_u, -1.0f);
+
+  const VI kv = StepsFor(d, q, grid.row_pitch_rad[at], kWidestRows);
+  const VI last = hn::Set(di, image.rows - 1);
+  const VF elevation = hn::Set(d, grid.elevation_rad[at]);
+  const VF none = hn::Set(d, 1e-3f);
+  const VI up = hn::Sub(this_row, kv), down = hn::Add(this_row, kv);
+  const VF angle_up = hn::Max(
+      none, hn::Sub(hn::GatherIndex(d, grid.elevation_rad.data(), hn::Max(up, hn::Zero(di))), elevation));
+  const VF angle_down =
+      hn::Max(none, hn::Sub(elevation, hn::GatherIndex(d, grid.elevation_rad.data(), hn::Min(down, last))));
+  const Side above = SlopeTo(d, range, q, RangeAt(d, image, up, here), angle_up, 1.0f);
+  const Side below = SlopeTo(d, range, q, RangeAt(d, image, down, here), angle_down, -1.0f);
+  const VF angle_v = hn::Mul(hn::Add(angle_up, angle_down), hn::Set(d, 0.5f));
+  return {JoinSides(d, right, left, q, angle_u), JoinSides(d, above, below, q, angle_v)};
+}
+
+/// Turns slopes into the normal: the range grows along the surface as the slopes say.
+HWY_INLINE void StorePlane(DF d, const float* rotation, float half_voxel, Slopes slope, VF range, size_t i,
+                           ScanImage* image) {
+  const VF one = hn::Set(d, 1.0f);
+  const VF x = hn::LoadU(d, image->x.data() + i), y = hn::LoadU(d, image->y.data() + i),
+           z = hn::LoadU(d, image->z.data() + i);
+  const VF inverse_range = hn::Div(one, range);
+  const VF rx = hn::Mul(x, inverse_range), ry = hn::Mul(y, inverse_range), rz = hn::Mul(z, inverse_range);
+  const VF flat = hn::Max(hn::Sqrt(hn::Add(hn::Mul(rx, rx), hn::Mul(ry, ry))), hn::Set(d, 1e-4f));
+  const VF ca = hn::Div(rx, flat), sa = hn::Div(ry, flat);
+  const VF t2 =
+      hn::Add(hn::Add(one, hn::Mul(slope.azimuth, slope.azimuth)), hn::Mul(slope.elevation, slope.elevation));
+  const VF t = hn::Sqrt(t2);
+  const VF scale = hn::Div(one, t);
+  // away = r - g_azimuth e_azimuth - g_elevation e_elevation; the normal is -away / |away|.
+  const VF gu = slope.azimuth, gv = slope.elevation;
+  const VF ax = hn::Add(hn::Add(rx, hn::Mul(gu, sa)), hn::Mul(gv, hn::Mul(rz, ca)));
+  const VF ay = hn::Add(hn::Sub(ry, hn::Mul(gu, ca)), hn::Mul(gv, hn::Mul(rz, sa)));
+  const VF az = hn::Sub(rz, hn::Mul(gv, flat));
+  const VF nx = hn::Neg(hn::Mul(ax, scale)), ny = hn::Neg(hn::Mul(ay, scale)),
+           nz = hn::Neg(hn::Mul(az, scale));
+  VF l1 = hn::Zero(d);
+  for (int r = 0; r < 3; ++r) {
+    const VF c = hn::Add(
+        hn::Add(hn::Mul(nx, hn::Set(d, rotation[3 * r])), hn::Mul(ny, hn::Set(d, rotation[3 * r + 1]))),
+        hn::Mul(nz, hn::Set(d, rotation[3 * r + 2])));
+    l1 = hn::Add(l1, hn::Abs(c));
+  }
+  hn::StoreU(nx, d, image->nx.data() + i);
+  hn::StoreU(ny, d, image->ny.data() + i);
+  hn::StoreU(nz, d, image->nz.data() + i);
+  hn::StoreU(hn::Min(t, hn::Set(d, kGrazing)), d, image->inverse_cos.data() + i);
+  hn::StoreU(hn::Mul(l1, hn::Set(d, half_voxel)), d, image->support.data() + i);
+}
+
+/// Free up to where a voxel could touch the surface: 3 sigma and its support off the plane. The own beam
+/// keeps twice the support away, since a voxel that it pierces may hang below it by as much.
+HWY_INLINE void StoreMargins(DF d, const ImageOptions& options, VF range, MF hit, int row, size_t column,
+                             size_t i, ScanImage* image) {
+  const size_t to = static_cast<size_t>(row) * static_cast<size_t>(image->pitch) + column;
+  const VF t = hn::LoadU(d, image->inverse_cos.data() + i), h = hn::LoadU(d, image->support.data() + i);
+  const VF sigma = hn::Max(hn::Set(d, options.sigma_min_m), hn::Mul(range, hn::Set(d, options.lambda_sigma)));
+  const VF band = hn::Mul(hn::Set(d, 3.0f), sigma);
+  const VF least = hn::Set(d, 0.002f);
+  const VF miss = hn::Neg(hn::Min(hn::LoadU(d, image->range.data() + i), hn::Zero(d)));
+  for (int k = 0; (1 << k) <= options.max_scale; ++k) {
+    const VF reach = hn::Mul(h, hn::Set(d, static_cast<float>(1 << k)));
+    const VF veto = hn::Sub(range, hn::Mul(hn::Add(reach, band), t));
+    const VF own = hn::Sub(veto, hn::Mul(reach, hn::Sub(t, hn::Set(d, 1.0f))));
+    const auto s = static_cast<size_t>(k);
+    const size_t below_top = to + static_cast<size_t>(image->pitch);
+    hn::StoreU(hn::IfThenElse(hit, hn::Max(own, least), miss), d, image->own[s].data() + to);
+    hn::StoreU(hn::IfThenElse(hit, hn::Max(veto, least), miss), d, image->surround[s].data() + below_top);
+  }
+}
+
+void PlanesOfScan(const float* rotation, const ImageOptions& options, ScanImage* image) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image->columns);
+  for (int row = 0; row < image->rows; ++row) {
+    for (size_t c = 0; c < columns; c += lanes) {
+      const size_t column = std::min(c, columns - lanes);
+      const size_t i = static_cast<size_t>(row) * columns + column;
+      const VF signed_range = hn::LoadU(d, image->range.data() + i);
+      const MF hit = hn::Gt(signed_range, hn::Zero(d));
+      const VF range = hn::IfThenElse(hit, signed_range, hn::Set(d, 1.0f));
+      if (!hn::AllFalse(d, hit)) {
+        const Slopes slopes = SlopesOf(d, *image, row, column, range);
+        StorePlane(d, rotation, 0.5f * options.resolution_m, slopes, range, i, image);
+      }
+      StoreMargins(d, options, range, hit, row, column, i, image);
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace atlas::mapping {
+namespace {
+HWY_EXPORT(PlanesOfScan);
+}  // namespace
+
+void FindPlanes(const core::Mat3& rotation_map_lidar, const ImageOptions& options, ScanImage* image) {
+  float rotation[9];
+  for (int i = 0; i < 9; ++i) rotation[i] = static_cast<float>(rotation_map_lidar(i / 3, i % 3));
+  const auto pitch = static_cast<size_t>(image->pitch), rows = static_cast<size_t>(image->rows);
+  for (size_t k = 0; (1 << k) <= options.max_scale; ++k) {
+    image->own[k].resize(rows * pitch);
+    image->surround[k].resize((rows + 1) * pitch);
+  }
+  HWY_DYNAMIC_DISPATCH(PlanesOfScan)(rotation, options, image);
+}
+
+}  // namespace atlas::mapping
+#endif

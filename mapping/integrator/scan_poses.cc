@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/integrator/scan_image.h"
+
+namespace atlas::mapping {
+namespace {
+
+constexpr double kStillRad = 1e-4, kStillM = 1e-3;
+constexpr float kSharedTimeS = 2e-4f;
+
+double AngleOf(const core::Mat3& R) {
+  return Eigen::AngleAxisd(R).angle();
+}
+
+bool RowsShareTimes(const core::LidarScan& scan) {
+  const auto columns = static_cast<size_t>(scan.columns);
+  for (size_t i = columns; i < scan.time_s.size(); ++i) {
+    if (!(std::abs(scan.time_s[i] - scan.time_s[i - columns]) < kSharedTimeS)) return false;
+  }
+  return true;
+}
+
+void SetPose(size_t i, const core::Pose& T, ColumnPoses* out) {
+  for (size_t row = 0; row < 3; ++row) {
+    for (size_t column = 0; column < 4; ++column) {
+      out->T_mid_lidar[4 * row + column][i] =
+          static_cast<float>(T.matrix()(static_cast<int>(row), static_cast<int>(column)));
+    }
+  }
+}
+
+}  // namespace
+
+ColumnPoses PosesOfScan(const core::SpinEvent& spin, bool motion_aware) {
+  ColumnPoses out;
+  const core::LidarScan& scan = spin.scan;
+  const auto columns = static_cast<size_t>(scan.columns);
+  if (scan.time_s.empty()) {
+    out.T_odom_mid = spin.T_odom_lidar.At(scan.stamp_s);
+    return out;
+  }
+  const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
+  const double begin_s = scan.stamp_s + static_cast<double>(*first);
+  const double span_s = static_cast<double>(*last) - static_cast<double>(*first);
+  out.T_odom_mid = spin.T_odom_lidar.At(begin_s + 0.5 * span_s);
+  if (!motion_aware) return out;
+
+  const bool shared = RowsShareTimes(scan);
+  const core::Pose T_mid_odom = out.T_odom_mid.inverse();
+  for (auto& entry : out.T_mid_lidar) entry.resize(columns);
+  for (size_t column = 0; column < columns; ++column) {
+    const double time_s =
+        shared ? scan.stamp_s + static_cast<double>(scan.time_s[column])
+               : begin_s + span_s * static_cast<double>(column) / static_cast<double>(columns - 1);
+    const core::Pose T = T_mid_odom * spin.T_odom_lidar.At(time_s);
+    out.moving = out.moving || AngleOf(T.linear()) > kStillRad || T.translation().norm() > kStillM;
+    SetPose(column, T, &out);
+  }
+  if (!out.moving) {
+    for (auto& entry : out.T_mid_lidar) entry.clear();
+  } else if (!shared) {
+    out.pose_of_ray.resize(scan.time_s.size());
+    const float scale = span_s > 0.0 ? static_cast<float>(static_cast<double>(columns - 1) / span_s) : 0.0f;
+    for (size_t i = 0; i < scan.time_s.size(); ++i) {
+      out.pose_of_ray[i] = static_cast<int32_t>((scan.time_s[i] - *first) * scale + 0.5f);
+    }
+  }
+  return out;
+}
+
+}  // namespace atlas::mapping

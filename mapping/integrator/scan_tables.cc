@@ -1,0 +1,177 @@
+// Window minima over the margin images, for the free-space tests.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mapping/integrator/scan_tables.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <limits>
+
+#include "mapping/integrator/scan_image.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// out[i] = least of a[i], a[i + step], b[i], b[i + step]; out may be a. Reads and writes whole vectors, so
+/// the last `count` % Lanes are done one by one.
+template <typename T>
+HWY_INLINE void LeastOfFour(const T* a, const T* b, size_t step, size_t count, T* out) {
+  const hn::ScalableTag<T> d;
+  const size_t lanes = hn::Lanes(d);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const auto m = hn::Min(hn::LoadU(d, a + i), hn::LoadU(d, a + i + step));
+    const auto n = hn::Min(hn::LoadU(d, b + i), hn::LoadU(d, b + i + step));
+    hn::StoreU(hn::Min(m, n), d, out + i);
+  }
+  for (; i < count; ++i) out[i] = std::min(std::min(a[i], a[i + step]), std::min(b[i], b[i + step]));
+}
+void LeastFloat(const float* a, const float* b, size_t step, size_t count, float* out) {
+  LeastOfFour(a, b, step, count, out);
+}
+void LeastPair(const uint16_t* a, const uint16_t* b, size_t step, size_t count, uint16_t* out) {
+  LeastOfFour(a, b, step, count, out);
+}
+
+/// Packs bounds: least `own` rounded down, greatest bound rounded up and complemented.
+void PackBounds(const float* own, const float* bound, float per_unit, size_t count, uint32_t* out) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const size_t lanes = hn::Lanes(d);
+  const auto scale = hn::Set(d, per_unit);
+  const auto top = hn::Set(di, 65535);
+  for (size_t i = 0; i < count; i += lanes) {
+    const auto low = hn::ConvertTo(di, hn::Mul(hn::LoadU(d, own + i), scale));
+    const auto high = hn::Add(hn::ConvertTo(di, hn::Mul(hn::LoadU(d, bound + i), scale)), hn::Set(di, 2));
+    const auto packed = hn::Or(hn::Min(low, top), hn::ShiftLeft<16>(hn::Sub(top, hn::Min(high, top))));
+    hn::StoreU(packed, di, reinterpret_cast<int32_t*>(out) + i);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace atlas::mapping {
+namespace {
+
+HWY_EXPORT(LeastFloat);
+HWY_EXPORT(LeastPair);
+HWY_EXPORT(PackBounds);
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr size_t kSlack = 64;  ///< whole vectors may be read past the last row
+
+/// Repeats the first columns of a row of `columns` behind it, up to `pitch`.
+template <typename T>
+void RepeatColumns(T* row, size_t columns, size_t pitch) {
+  for (size_t i = columns; i < pitch; ++i) row[i] = row[i - columns];
+}
+
+/// 2 x 2 minima in place, from single cells stored below a row of nothing.
+void SurroundTable(const ScanImage& image, std::vector<float>* table) {
+  const auto pitch = static_cast<size_t>(image.pitch), columns = static_cast<size_t>(image.columns);
+  const auto rows = static_cast<size_t>(image.rows);
+  table->resize((rows + 1) * pitch + kSlack, kNothing);
+  std::fill_n(table->begin(), pitch, kNothing);
+  for (size_t row = 1; row <= rows; ++row) RepeatColumns(table->data() + row * pitch, columns, pitch);
+  for (size_t row = 0; row <= rows; ++row) {
+    float* here = table->data() + row * pitch;
+    const float* next = row < rows ? here + pitch : here;
+    HWY_DYNAMIC_DISPATCH(LeastFloat)(here, next, 1, columns, here);
+    RepeatColumns(here, columns, pitch);
+  }
+}
+
+/// Level k from level k - 1: windows twice as wide, twice as tall, or both.
+void WindowLevel(const std::vector<float>& finer, size_t k, ScanImage* image) {
+  const auto pitch = static_cast<size_t>(image->pitch), columns = static_cast<size_t>(image->columns);
+  const int tall = image->window_rows[k], tall_finer = image->window_rows[k - 1];
+  const size_t step = image->window_columns[k] > image->window_columns[k - 1]
+                          ? static_cast<size_t>(image->window_columns[k - 1])
+                          : 0;
+  std::vector<float>& table = image->window[k];
+  const int first = -(tall - 1), first_finer = -(tall_finer - 1);
+  table.resize(static_cast<size_t>(image->rows - first) * pitch);
+  static const std::vector<float> nothing(32768, kNothing);
+  const auto finer_row = [&](int row) {
+    return row < first_finer || row >= image->rows
+               ? nothing.data()
+               : finer.data() + static_cast<size_t>(row - first_finer) * pitch;
+  };
+  for (int row = first; row < image->rows; ++row) {
+    float* out = table.data() + static_cast<size_t>(row - first) * pitch;
+    const int other = tall > tall_finer ? row + tall_finer : row;
+    HWY_DYNAMIC_DISPATCH(LeastFloat)(finer_row(row), finer_row(other), step, columns, out);
+    RepeatColumns(out, columns, pitch);
+  }
+}
+
+void WindowTables(ScanImage* image) {
+  const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
+  const int bias = static_cast<int>(std::lround(std::log2(ratio)));
+  for (int k = 0; k < ScanImage::kLevels; ++k) {
+    const auto level = static_cast<size_t>(k);
+    image->window_rows[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(bias, 0)));
+    image->window_columns[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(-bias, 0)));
+  }
+  for (size_t k = 2; k < ScanImage::kLevels; ++k) {
+    WindowLevel(k == 2 ? image->surround[0] : image->window[k - 1], k, image);
+  }
+}
+
+void BoxTables(const ImageOptions& options, ScanImage* image) {
+  const auto columns = static_cast<size_t>(image->columns), rows = static_cast<size_t>(image->rows);
+  const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
+  image->box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);
+  image->box_unit_m = (options.max_range_m + options.reach_behind_m + 1.0f) / 65000.0f;
+  const size_t pitch = columns + 256, stride = rows * pitch + kSlack;
+  image->box_pitch = pitch;
+  image->box_stride = stride;
+  image->box.resize(ScanImage::kBoxLevels * stride);
+  std::vector<float> bound(columns + kSlack), own(columns + kSlack);
+  for (size_t row = 0; row < rows; ++row) {
+    std::copy_n(image->own[0].data() + row * static_cast<size_t>(image->pitch), columns, own.data());
+    for (size_t i = 0; i < columns; ++i) {
+      const float hit = std::max(image->range[row * columns + i], 0.0f);
+      bound[i] = options.reach_behind_m > 0.0f ? std::max(own[i], hit + options.reach_behind_m) : own[i];
+    }
+    uint32_t* out = image->box.data() + row * pitch;
+    HWY_DYNAMIC_DISPATCH(PackBounds)(own.data(), bound.data(), 1.0f / image->box_unit_m, columns, out);
+    RepeatColumns(out, columns, pitch);
+  }
+  const auto widen = [&](size_t from, size_t to, size_t across, size_t down) {
+    for (size_t row = 0; row < rows; ++row) {
+      const uint32_t* a = image->box.data() + from * stride + row * pitch;
+      const uint32_t* b = image->box.data() + from * stride + std::min(row + down, rows - 1) * pitch;
+      uint32_t* out = image->box.data() + to * stride + row * pitch;
+      HWY_DYNAMIC_DISPATCH(LeastPair)
+      (reinterpret_cast<const uint16_t*>(a), reinterpret_cast<const uint16_t*>(b), 2 * across, 2 * columns,
+       reinterpret_cast<uint16_t*>(out));
+      RepeatColumns(out, columns, pitch);
+    }
+  };
+  for (int s = 0; s < image->box_shift; ++s) widen(0, 0, size_t{1} << s, 0);
+  for (size_t k = 1; k < ScanImage::kBoxLevels; ++k) {
+    widen(k - 1, k, size_t{1} << (k - 1 + static_cast<size_t>(image->box_shift)), size_t{1} << (k - 1));
+  }
+}
+
+}  // namespace
+
+void BuildTables(const ImageOptions& options, ScanImage* image) {
+  for (size_t k = 0; (1 << k) <= options.max_scale; ++k) {
+    for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
+      RepeatColumns(image->own[k].data() + row * static_cast<size_t>(image->pitch),
+                    static_cast<size_t>(image->columns), static_cast<size_t>(image->pitch));
+    }
+    SurroundTable(*image, &image->surround[k]);
+  }
+  WindowTables(image);
+  BoxTables(options, image);
+}
+
+}  // namespace atlas::mapping
+#endif
