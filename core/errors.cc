@@ -39,6 +39,14 @@ std::string NearestName(std::string_view name, const std::vector<std::string>& v
   return best;
 }
 
+std::string OneLine(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  while (text.ends_with(' ')) text.pop_back();
+  return text;
+}
+
 std::string UnknownName(std::string_view kind, std::string_view name, const std::vector<std::string>& valid) {
   const std::string near = NearestName(name, valid);
   return fmt::format("unknown {} '{}'{} (valid: {})", kind, name,

@@ -9,11 +9,15 @@
 
 namespace atlas::core {
 
-/// Bad input from a user: config, scene, robot, scan, map file or command line. `what()` is one line that
-/// names the file, the field, the value and the limit. The command line prints it and exits with code 2.
+/// `text` with line ends and other control characters replaced by blanks.
+std::string OneLine(std::string text);
+
+/// Bad input from a user: config, scene, robot, scan, map file or command line. `what()` is one line (by
+/// OneLine, since messages quote what files hold) that names the file, the field, the value and the limit.
+/// The command line prints it and exits with code 2.
 class InputError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit InputError(std::string message) : std::runtime_error(OneLine(std::move(message))) {}
 };
 
 /// "unknown gain 'foo'; did you mean 'fog'? (valid: a, b, c)": the message for a name missing from a

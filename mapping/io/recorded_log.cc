@@ -25,6 +25,16 @@ void FillIfThere(const fs::path& file, std::string* option) {
   if (option->empty() && fs::is_regular_file(file, error)) *option = file.string();
 }
 
+/// @throws InputError, its message after `where`, unless `lidar` is a name or file that RecordedLogOptions
+/// takes.
+void CheckLidar(const std::string& lidar, const std::string& where) {
+  std::vector<std::string> names = core::LidarModelNames();
+  names.insert(names.end(), {"auto", "estimate", "none", "FILE.json"});
+  const bool known = std::find(names.begin(), names.end(), lidar) != names.end();
+  if (!known && fs::path(lidar).extension() != ".json")
+    throw InputError(where + core::UnknownName("LiDAR model", lidar, names));
+}
+
 /// What dataset.yaml tells of the LiDAR, where the options do not.
 void ReadDatasetFile(const fs::path& path, RecordedLogOptions* options) {
   std::error_code error;
@@ -40,11 +50,11 @@ void ReadDatasetFile(const fs::path& path, RecordedLogOptions* options) {
     };
     range("min_range_m", &options->min_range_m);
     range("max_range_m", &options->max_range_m);
-    if (options->lidar == "auto" && root["lidar"]) options->lidar = root["lidar"].as<std::string>();
+    if (options->lidar != "auto" || !root["lidar"]) return;
+    options->lidar = root["lidar"].as<std::string>();
+    CheckLidar(options->lidar, path.string() + ": lidar: ");
   } catch (const YAML::Exception& problem) {
-    std::string reason = problem.what();
-    std::replace(reason.begin(), reason.end(), '\n', ' ');
-    throw InputError(fmt::format("{}: {}", path.string(), reason));
+    throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
   }
 }
 
@@ -188,10 +198,7 @@ core::PoseTrajectory RecordedLog::Impl::PosesDuring(const core::LidarScan& scan,
 }
 
 RecordedLog::RecordedLog(const RecordedLogOptions& options) : impl_(std::make_unique<Impl>()) {
-  if (options.lidar != "auto" && options.lidar != "estimate" && options.lidar != "none" &&
-      fs::path(options.lidar).extension() != ".json") {
-    core::FindLidarModel(options.lidar);
-  }
+  CheckLidar(options.lidar, "");
   impl_->options = Resolved(options);
   impl_->source = OpenScans(impl_->options.scans);
   impl_->MeetPoses();
