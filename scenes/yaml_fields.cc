@@ -10,6 +10,9 @@
 namespace atlas::scenes {
 namespace {
 
+/// Of any number: scenes are metres and degrees about their origin.
+constexpr double kGreatest = 1e4;
+
 std::string Shown(const YAML::Node& node) {
   if (node.IsScalar()) return "'" + node.Scalar() + "'";
   return node.IsSequence() ? "a list" : node.IsMap() ? "a mapping" : "nothing";
@@ -62,6 +65,7 @@ double YamlFields::Number(const std::string& key) const {
     Fail(key, fmt::format("expected a number, found {}", Shown(node)));
   }
   if (!std::isfinite(value)) Fail(key, fmt::format("{} is not finite", node.Scalar()));
+  if (std::abs(value) > kGreatest) Fail(key, fmt::format("{} is beyond {:g}", node.Scalar(), kGreatest));
   return value;
 }
 
@@ -101,6 +105,8 @@ Eigen::VectorXd YamlFields::Numbers(const std::string& key, int size) const {
     }
     if (!std::isfinite(values[k]))
       Fail(key, fmt::format("entry {}: {} is not finite", k + 1, entry.Scalar()));
+    if (std::abs(values[k]) > kGreatest)
+      Fail(key, fmt::format("entry {}: {} is beyond {:g}", k + 1, entry.Scalar(), kGreatest));
   }
   return values;
 }

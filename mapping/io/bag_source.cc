@@ -11,13 +11,13 @@ bool HasBagSupport() {
 }
 
 std::unique_ptr<ScanSource> OpenBag(const std::filesystem::path& file, const std::string&) {
-  throw core::InputError(
-      fmt::format("{}: this build has no support for ROS bags (install librosbag-dev)", file.string()));
+  throw core::InputError(fmt::format(
+      "{}: this build does not read ROS bags; convert it to PCD files and TUM poses", file.string()));
 }
 
 RecordedPoses ReadBagPoses(const std::filesystem::path& file, const std::string&) {
-  throw core::InputError(
-      fmt::format("{}: this build has no support for ROS bags (install librosbag-dev)", file.string()));
+  throw core::InputError(fmt::format(
+      "{}: this build does not read ROS bags; convert it to PCD files and TUM poses", file.string()));
 }
 
 }  // namespace atlas::mapping

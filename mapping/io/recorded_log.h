@@ -13,8 +13,9 @@ namespace atlas::mapping {
 
 struct RecordedLogOptions {
   /// A folder of clouds, one cloud, an OctoMap scan graph (.graph binary, or text with NODE rows), a ROS bag
-  /// (FILE.bag or FILE.bag:/topic), "FOLDER/part*.pcd", or a folder with scans/ (or velodyne/) and, where
-  /// they are not given below, poses.tum (or poses.txt), trajectory.tum, calib.txt and dataset.yaml.
+  /// (FILE.bag or FILE.bag:/topic, where HasBagSupport()), "FOLDER/part*.pcd", or a folder with scans/ (or
+  /// velodyne/) and, where they are not given below, poses.tum (or poses.txt), trajectory.tum, calib.txt and
+  /// dataset.yaml.
   std::string scans;
   /// TUM, KITTI or matrix file (ReadPoses); FILE.bag:/topic for poses of a bag. Empty: the data set's own,
   /// the graph's, the viewpoints of PCD files, files T_<A>_<B>.txt beside clouds A and B, identity for one

@@ -32,7 +32,7 @@ std::string SmallRecording() {
 std::vector<FuzzedReader> RunReaders() {
   const std::string experiment =
       "scene: helicopter\nmapper: {name: octomap, resolution_m: 0.08}\nplanner: thesis\n"
-      "mission: {seed: 3}\noutput: {video: false}\n";
+      "mission: {max_scans: 30}\noutput: {video: false}\n";
   const std::string sweep =
       "doc: two gains\nexperiments: [helicopter, car]\ngrid:\n  planner.gain: [rear_side_voxel, "
       "unobserved_voxel]\n"
