@@ -101,7 +101,7 @@ std::string Percent(double share) {
 
 TextTable ScoreTable(const SurfaceScore& raw, const SurfaceScore& aligned, const EvalArguments& arguments) {
   TextTable table;
-  table.heading = {"", "as is", "aligned"};
+  table.heading = {"distances", "as is", "aligned"};
   table.left = {true, false, false};
   const auto row = [&](const std::string& name, const auto& text, double a, double b) {
     table.rows.push_back({name, text(a), text(b)});

@@ -40,10 +40,10 @@ OfflineMapParams ParamsOf(const MapArguments& arguments) {
   root.mapper.resolution_m = arguments.resolution_m;
   root.mapper.local_radius_m = arguments.local_radius_m;
   root.mapper.integrator.max_range_m = arguments.max_range_m;
+  root.mapper.integrator.threads = arguments.threads;
   core::ParamSource source;
   for (const std::string& assignment : arguments.assignments) source.MergeAssignment(assignment);
   source.Load(&root);
-  root.mapper.integrator.threads = arguments.threads;
   return root.mapper;
 }
 
@@ -112,10 +112,10 @@ double MeanOf(const std::vector<double>& values) {
 }
 
 TextTable OutcomeTable(const MapOutcome& outcome, const mapping::RecordedLog& log,
-                       const OfflineMapper& mapper, const fs::path& folder) {
+                       const OfflineMapper& mapper, const OfflineMapParams& params, const fs::path& folder) {
   const MapVolume volume = VolumeOf(mapper.map());
   TextTable table;
-  table.heading = {"", ""};
+  table.heading = {params.field + " map", fmt::format("{} cm", 100.0 * params.resolution_m)};
   table.left = {true, false};
   const auto row = [&](const std::string& name, std::string value) {
     table.rows.push_back({name, std::move(value)});
@@ -171,6 +171,8 @@ int MapCommand(const MapArguments& arguments) {
   mapping::RecordedLogOptions options = arguments.log;
   options.no_return = arguments.no_return == "void" ? core::ReturnKind::kVoid : core::ReturnKind::kDropout;
   const mapping::RecordedLog log(options);
+  const fs::path folder = arguments.out.empty() ? DefaultFolder(options.scans) : arguments.out;
+  core::AtomicFile(folder / "map.atlas");  // a folder that cannot be written is found before the work
   std::cout << log.Describe() << std::endl;
   const Vec3 origin = OriginOf(log);
   if (!origin.isZero()) {
@@ -179,7 +181,6 @@ int MapCommand(const MapArguments& arguments) {
         origin.y(), origin.z());
   }
 
-  const fs::path folder = arguments.out.empty() ? DefaultFolder(options.scans) : arguments.out;
   std::optional<core::LidarModel> lidar;
   if (log.beams()) lidar = log.beams()->model;
   OfflineMapper mapper(params, lidar);
@@ -188,7 +189,7 @@ int MapCommand(const MapArguments& arguments) {
   if (outcome.unreadable > 0) std::cout << "left out: " << outcome.first_error << "\n";
   WriteOutputs(arguments, mapper, folder);
   WriteSummary(folder, arguments, params, outcome, log, origin, mapper);
-  std::cout << ToTerminal(OutcomeTable(outcome, log, mapper, folder));
+  std::cout << ToTerminal(OutcomeTable(outcome, log, mapper, params, folder));
   std::cout << fmt::format("{}: map.atlas cloud.ply {}summary.json\n", folder.string(),
                            arguments.mesh ? "mesh.ply " : "");
   return outcome.interrupted ? 130 : 0;
