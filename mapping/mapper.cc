@@ -2,6 +2,7 @@
 
 #include "core/errors.h"
 #include "mapping/backends/octomap_mapper.h"
+#include "mapping/backends/se_atlas_mapper.h"
 
 namespace atlas::mapping {
 

@@ -51,8 +51,8 @@ struct CatalogEntry {
 };
 const std::vector<CatalogEntry>& Catalog();
 
-/// `lidar` made the spins that the mapper will see, absent where that is not known (rays are then taken one
-/// by one). It is read here only. @throws InputError for an unknown name.
+/// `lidar` made the spins that the mapper will see; some backends cannot do without. @throws InputError for
+/// an unknown name, or where it is missing.
 std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
                                    const std::optional<core::LidarModel>& lidar = {});
 

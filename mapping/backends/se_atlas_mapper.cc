@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "core/errors.h"
 #include "mapping/backends/sweep_cloud.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/integrator/integrator.h"
@@ -33,9 +34,8 @@ class SeAtlasMapper : public Mapper {
         tree_(params.resolution_m),
         grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
         last_hit_(grid_.frame().count(), 0) {
-    const IntegratorParams integrator = IntegratorParamsOf(params, grid_.region());
-    integrator_ =
-        lidar ? MakeConeIntegrator<Field>(integrator, *lidar) : MakeRayIntegrator<Field>(integrator);
+    if (!lidar) throw core::InputError("mapper: se_atlas needs the beam table of the LiDAR it will hear");
+    integrator_ = MakeConeIntegrator<Field>(IntegratorParamsOf(params, grid_.region()), *lidar);
     for (int v = 0; v < 256; ++v) {
       const auto value = static_cast<int8_t>(v);
       code_[static_cast<size_t>(v)] = DenseGrid::CodeOf(static_cast<float>(Field::LogOdds(value)));

@@ -7,9 +7,9 @@
 
 namespace atlas::mapping {
 
-/// A multi-resolution occupancy octree, fed spin by spin with per-ray poses: by cones where `lidar` tells the
-/// beam table, ray by ray where it is absent. Planners read a dense mirror of the region, which takes over
-/// the octree's changed blocks when it is asked for.
+/// A multi-resolution occupancy octree, fed spin by spin with per-ray poses through the cones of the beam
+/// table that `lidar` tells. Planners read a dense mirror of the region, which takes over the octree's
+/// changed blocks when it is asked for. @throws InputError where `lidar` is absent.
 std::unique_ptr<Mapper> BuildSeAtlasMapper(const MapperParams& params, const core::Box3& object_box,
                                            const std::optional<core::LidarModel>& lidar);
 
