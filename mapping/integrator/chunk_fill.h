@@ -1,6 +1,7 @@
 // Applies a scan to one chunk of the octree.
 #pragma once
 
+#include "mapping/integrator/block_writer.h"
 #include "mapping/integrator/fill_kernels.h"
 #include "mapping/integrator/hit_scatter.h"
 #include "mapping/octree/octree.h"
@@ -13,10 +14,10 @@ struct FillContext {
   const ScanFrame* frame = nullptr;
   const HitScatter* hits = nullptr;
   NodeKey keep_min, keep_max;  ///< window coordinates of the kept voxels, [min, max)
-  int miss_units = 8;
+  WriteRules rules;
   int max_scale = 4;
-  bool lossless = false;
-  int truncation_units = 0;  ///< TSDF: at scale 1
+  float truncation_m = 0.0f;  ///< TSDF: at scale 1
+  float distance_unit_m = 1.0f;
 };
 
 /// A chunk of the window and what its blocks are to the scan.
@@ -32,9 +33,5 @@ struct ChunkWork {
 template <typename Field>
 void FillChunk(const FillContext& context, const ChunkWork& work, int worker, Octree<Field>* map,
                typename Octree<Field>::Chunk* chunk);
-
-template <>
-void FillChunk(const FillContext& context, const ChunkWork& work, int worker, OccupancyOctree* map,
-               OccupancyOctree::Chunk* chunk);
 
 }  // namespace atlas::mapping

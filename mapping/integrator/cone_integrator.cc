@@ -1,35 +1,15 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <ctime>
 
 #include "core/errors.h"
-#include "core/parallel_for.h"
 #include "mapping/integrator/chunk_fill.h"
+#include "mapping/integrator/dynamic_loop.h"
 #include "mapping/integrator/hit_scatter.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/integrator/scan_image.h"
 
 namespace atlas::mapping {
 namespace {
-
-double ThreadCpuMs() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
-/// Calls body(i, worker) for all i below count; workers take the next one as they come free.
-template <typename Body>
-void ForEachDynamic(int threads, size_t count, const Body& body) {
-  std::atomic<size_t> next{0};
-  core::ParallelFor(threads, static_cast<size_t>(std::max(threads, 1)), [&](size_t, size_t, size_t worker) {
-    for (size_t i = next.fetch_add(1, std::memory_order_relaxed); i < count;
-         i = next.fetch_add(1, std::memory_order_relaxed)) {
-      body(i, static_cast<int>(worker));
-    }
-  });
-}
 
 template <typename Field>
 class ConeIntegrator final : public ScanIntegrator<Field> {
@@ -59,7 +39,9 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     stats_.image_ms = lap();
 
     const FillContext context = ContextFor(resolution);
-    hits_.Scatter(image_, frame_, SurfaceFor(resolution), context.keep_min, context.keep_max);
+    if constexpr (kOccupancy)
+      hits_.Scatter(image_, frame_, SurfaceModel::Of(params_, resolution), context.keep_min,
+                    context.keep_max);
     stats_.hit_ms = lap();
 
     map->SetWorkers(params_.threads);
@@ -73,6 +55,10 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
   const IntegrationStats& stats() const override { return stats_; }
 
  private:
+  static constexpr bool kOccupancy = std::is_same_v<Field, OccupancyField>;
+
+  bool Touched(const ChunkWork& work) const { return kOccupancy && hits_.Touched(work.index) != nullptr; }
+
   void Check(const core::LidarScan& scan) const {
     const size_t rays = static_cast<size_t>(scan.rows) * static_cast<size_t>(scan.columns);
     if (scan.rows < 1 || scan.columns < 16 || scan.size() != rays || scan.direction_lidar.size() != rays ||
@@ -92,20 +78,10 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     o.lambda_sigma = static_cast<float>(params_.lambda_sigma);
     o.remap_stop_rad = static_cast<float>(params_.remap_stop_rad);
     o.max_scale = params_.max_scale;
+    if (!kOccupancy)
+      o.reach_behind_m = static_cast<float>(params_.truncation_voxels * resolution * params_.max_scale);
     o.motion_aware = params_.motion_aware;
     return o;
-  }
-
-  SurfaceModel SurfaceFor(double resolution) const {
-    SurfaceModel m;
-    m.miss_units = static_cast<float>(params_.miss_nats / OccupancyField::kNatsPerUnit);
-    m.sigma_min_voxels = static_cast<float>(params_.sigma_min_m / resolution);
-    m.lambda_sigma = static_cast<float>(params_.lambda_sigma);
-    m.lambda_r = static_cast<float>(params_.lambda_r);
-    m.behind_min_voxels = static_cast<float>(params_.behind_min_voxels);
-    m.behind_max_voxels =
-        static_cast<float>(std::max(params_.behind_max_m / resolution, params_.behind_min_voxels));
-    return m;
   }
 
   FillContext ContextFor(double resolution) const {
@@ -113,9 +89,13 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     c.image = &image_;
     c.frame = &frame_;
     c.hits = &hits_;
-    c.miss_units = static_cast<int>(std::lround(params_.miss_nats / OccupancyField::kNatsPerUnit));
+    c.rules.miss_units = static_cast<int>(std::lround(params_.miss_nats / OccupancyField::kNatsPerUnit));
+    c.rules.free_distance = static_cast<int16_t>(
+        std::lround(params_.truncation_voxels * resolution / TsdfField::UnitM(resolution)));
+    c.rules.lossless = params_.lossless;
+    c.truncation_m = static_cast<float>(params_.truncation_voxels * resolution);
+    c.distance_unit_m = static_cast<float>(TsdfField::UnitM(resolution));
     c.max_scale = params_.max_scale;
-    c.lossless = params_.lossless;
     const int chunk[3] = {frame_.first_chunk.x, frame_.first_chunk.y, frame_.first_chunk.z};
     int low[3], high[3];
     for (int a = 0; a < 3; ++a) {
@@ -173,7 +153,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
       w.all_full = (full >> i & 1) != 0 && inside;
       w.tested = !w.all_full && ((mixed | full) >> i & 1) != 0;
       w.cut = !inside;
-      if (w.all_full || w.tested || hits_.Touched(w.index) != nullptr) work_.push_back(w);
+      if (w.all_full || w.tested || Touched(w)) work_.push_back(w);
     }
     group_.clear();
   }
@@ -192,7 +172,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     chunks_.assign(work_.size(), nullptr);
     for (size_t i = 0; i < work_.size(); ++i) {
       const ChunkWork& w = work_[i];
-      if (!w.mixed.Any() && !w.full.Any() && hits_.Touched(w.index) == nullptr) continue;
+      if (!w.mixed.Any() && !w.full.Any() && !Touched(w)) continue;
       const NodeKey& first = frame_.first_chunk;
       chunks_[i] = map->FindOrCreate({first.x + w.window.x, first.y + w.window.y, first.z + w.window.z});
     }
@@ -213,10 +193,15 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
 
 }  // namespace
 
-template <>
-std::unique_ptr<ScanIntegrator<OccupancyField>> MakeConeIntegrator(const IntegratorParams& params,
-                                                                   const core::LidarModel& lidar) {
-  return std::make_unique<ConeIntegrator<OccupancyField>>(params, lidar);
+template <typename Field>
+std::unique_ptr<ScanIntegrator<Field>> MakeConeIntegrator(const IntegratorParams& params,
+                                                          const core::LidarModel& lidar) {
+  return std::make_unique<ConeIntegrator<Field>>(params, lidar);
 }
+
+template std::unique_ptr<ScanIntegrator<OccupancyField>> MakeConeIntegrator(const IntegratorParams&,
+                                                                            const core::LidarModel&);
+template std::unique_ptr<ScanIntegrator<TsdfField>> MakeConeIntegrator(const IntegratorParams&,
+                                                                       const core::LidarModel&);
 
 }  // namespace atlas::mapping

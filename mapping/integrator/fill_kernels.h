@@ -44,4 +44,10 @@ struct FreeCells {
 bool TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale,
                FreeCells* out);
 
+/// Signed distances of a block's voxels to the planes of their nearest beams, in `unit_m` clamped to
+/// +-truncation_m; kNoDistance where the nearest beam hit nothing or the plane is farther behind. Returns
+/// whether any lies within the truncation.
+bool MeasureDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                      float truncation_m, float unit_m, int16_t* out);
+
 }  // namespace atlas::mapping

@@ -2,54 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "mapping/integrator/voxel_walk.h"
 
 namespace atlas::mapping {
 namespace {
 
 constexpr int kStepsInFront = 2, kStepsBehind = 4;  ///< voxels walked along the beam from its end
 constexpr int kWindowMargin = 8;                    ///< voxels beyond the outermost ray end
-
-struct Vec3Float {
-  float x, y, z;
-};
-
-/// Steps from voxel to voxel along a line through `p`, forwards or backwards.
-class VoxelWalk {
- public:
-  VoxelWalk(const Vec3Float& p, const Vec3Float& direction, const NodeKey& start, float sign)
-      : voxel_(start) {
-    const float d[3] = {sign * direction.x, sign * direction.y, sign * direction.z};
-    const float at[3] = {p.x, p.y, p.z};
-    const int32_t cell[3] = {start.x, start.y, start.z};
-    for (int i = 0; i < 3; ++i) {
-      const bool up = d[i] > 0.0f;
-      step_[i] = up ? 1 : -1;
-      per_voxel_[i] = std::abs(d[i]) > 1e-9f ? 1.0f / std::abs(d[i]) : std::numeric_limits<float>::max();
-      const float inside = at[i] - static_cast<float>(cell[i]);
-      next_[i] = std::abs(d[i]) > 1e-9f ? (up ? 1.0f - inside : inside) * per_voxel_[i]
-                                        : std::numeric_limits<float>::max();
-    }
-  }
-  const NodeKey& Next() {
-    if (next_[0] < next_[1] && next_[0] < next_[2]) {
-      voxel_.x += step_[0];
-      next_[0] += per_voxel_[0];
-    } else if (next_[1] < next_[2]) {
-      voxel_.y += step_[1];
-      next_[1] += per_voxel_[1];
-    } else {
-      voxel_.z += step_[2];
-      next_[2] += per_voxel_[2];
-    }
-    return voxel_;
-  }
-
- private:
-  NodeKey voxel_;
-  int32_t step_[3];
-  float per_voxel_[3], next_[3];
-};
 
 }  // namespace
 
@@ -131,46 +91,45 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
   chunks_used_ = 1;  // 0 marks none
   blocks_used_ = 0;
   if (chunks_.empty()) chunks_.resize(1);
+  for (size_t i = 0; i < image.range.size(); ++i) {
+    if (image.range[i] > 0.0f) ScatterHit(image, frame, model, i);
+  }
+}
+
+void HitScatter::ScatterHit(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
+                            size_t i) {
   const float inverse = 1.0f / frame.resolution_m;
-  const auto units = [&](float distance, float range) {
-    const float value = model.LogOdds(distance, range);
-    const int rounded = static_cast<int>(std::floor(value + 0.5f));
+  const float range = image.range[i] * inverse, per_range = 1.0f / range;
+  const float p[3] = {frame.sensor[0] + wx_[i], frame.sensor[1] + wy_[i], frame.sensor[2] + wz_[i]};
+  const float along[3] = {wx_[i] * per_range, wy_[i] * per_range, wz_[i] * per_range};
+  const float back[3] = {-along[0], -along[1], -along[2]};
+  float n[3];  // unit, into the surface, along the map's axes
+  for (int a = 0; a < 3; ++a) {
+    n[a] = -inverse *
+           (frame.axis[a][0] * image.nx[i] + frame.axis[a][1] * image.ny[i] + frame.axis[a][2] * image.nz[i]);
+  }
+  const float shift = image.support[i] * inverse, depth = model.Depth(range), band = model.Band(range);
+  const auto distance_to = [&](const NodeKey& v) {
+    return n[0] * (static_cast<float>(v.x) + 0.5f - p[0]) + n[1] * (static_cast<float>(v.y) + 0.5f - p[1]) +
+           n[2] * (static_cast<float>(v.z) + 0.5f - p[2]) + shift;
+  };
+  const auto units = [&](float distance) {
+    const int rounded = static_cast<int>(std::floor(model.LogOdds(distance, range) + 0.5f));
     return std::clamp(rounded != 0 ? rounded : distance < 0.0f ? -1 : 1, -127, 127);
   };
-  for (size_t i = 0; i < image.range.size(); ++i) {
-    if (image.range[i] <= 0.0f) continue;
-    const float range = image.range[i] * inverse;
-    const Vec3Float p{frame.sensor[0] + wx_[i], frame.sensor[1] + wy_[i], frame.sensor[2] + wz_[i]};
-    const Vec3Float direction{wx_[i] / range, wy_[i] / range, wz_[i] / range};
-    Vec3Float n;  // into the surface, per voxel
-    float* into[3] = {&n.x, &n.y, &n.z};
-    for (int a = 0; a < 3; ++a) {
-      *into[a] = -inverse * (frame.axis[a][0] * image.nx[i] + frame.axis[a][1] * image.ny[i] +
-                             frame.axis[a][2] * image.nz[i]);
-    }
-    const float shift = image.support[i] * inverse;
-    const float depth = model.Depth(range);
-    const float band = 3.0f * std::max(model.sigma_min_voxels, model.lambda_sigma * range);
-    const NodeKey end{static_cast<int32_t>(p.x), static_cast<int32_t>(p.y), static_cast<int32_t>(p.z)};
-    const auto distance_to = [&](const NodeKey& v) {
-      return n.x * (static_cast<float>(v.x) + 0.5f - p.x) + n.y * (static_cast<float>(v.y) + 0.5f - p.y) +
-             n.z * (static_cast<float>(v.z) + 0.5f - p.z) + shift;
-    };
-    Raise(end, std::max(1, units(std::min(distance_to(end), depth), range)));
-    VoxelWalk behind(p, direction, end, 1.0f);
-    for (int step = 0; step < kStepsBehind; ++step) {
-      const NodeKey& voxel = behind.Next();
-      const float distance = distance_to(voxel);
-      if (distance > depth) break;
-      Raise(voxel, units(distance, range));
-    }
-    VoxelWalk front(p, direction, end, -1.0f);
-    for (int step = 0; step < kStepsInFront; ++step) {
-      const NodeKey& voxel = front.Next();
-      const float distance = distance_to(voxel);
-      if (distance <= -band) break;
-      Raise(voxel, units(distance, range));
-    }
+  const NodeKey end{static_cast<int32_t>(p[0]), static_cast<int32_t>(p[1]), static_cast<int32_t>(p[2])};
+  Raise(end, std::max(1, units(std::min(distance_to(end), depth))));
+  VoxelWalk<float> behind(p, along, end);
+  for (int step = 0; step < kStepsBehind; ++step) {
+    const float distance = distance_to(behind.Next());
+    if (distance > depth) break;
+    Raise(behind.voxel(), units(distance));
+  }
+  VoxelWalk<float> front(p, back, end);
+  for (int step = 0; step < kStepsInFront; ++step) {
+    const float distance = distance_to(front.Next());
+    if (distance <= -band) break;
+    Raise(front.voxel(), units(distance));
   }
 }
 

@@ -6,31 +6,10 @@
 
 #include "mapping/integrator/fill_kernels.h"
 #include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/surface_model.h"
 #include "mapping/octree/octree.h"
 
 namespace atlas::mapping {
-
-/// Eq. 4.2 in units of OccupancyField and voxels.
-struct SurfaceModel {
-  float miss_units = 8.0f;        ///< -L_min
-  float sigma_min_voxels = 0.3f;  ///< sigma(d) = max(sigma_min, lambda_sigma d)
-  float lambda_sigma = 0.0005f;
-  float lambda_r = 0.02f;          ///< occupied depth behind the surface, a share of the range ...
-  float behind_min_voxels = 1.5f;  ///< ... at least
-  float behind_max_voxels = 5.0f;  ///< ... and at most
-
-  /// Log-odds of a voxel whose surface-shifted signed distance is `distance_voxels`, negative in front.
-  /// @pre distance_voxels <= Depth(range).
-  float LogOdds(float distance_voxels, float range_voxels) const {
-    const float band = 3.0f * std::max(sigma_min_voxels, lambda_sigma * range_voxels);
-    const float half = 0.5f * Depth(range_voxels);
-    if (distance_voxels <= -band) return -miss_units;
-    return miss_units / band * std::min(distance_voxels, half);
-  }
-  float Depth(float range_voxels) const {
-    return std::clamp(lambda_r * range_voxels, behind_min_voxels, behind_max_voxels);
-  }
-};
 
 /// Updates of the voxels near a scan's hits: 0 untouched, else the greatest over the hits.
 struct HitBlock {
@@ -60,6 +39,7 @@ class HitScatter {
     BlockMask touched;
     std::array<uint32_t, kChunkBlocks> slot;
   };
+  void ScatterHit(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model, size_t cell);
   HitBlock* BlockAt(const NodeKey& voxel);
   void Raise(const NodeKey& voxel, int delta);
 

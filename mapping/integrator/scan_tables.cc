@@ -62,7 +62,8 @@ HWY_EXPORT(LeastPair);
 HWY_EXPORT(PackBounds);
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr size_t kSlack = 64;  ///< whole vectors may be read past the last row
+constexpr float kGrazingReach = 4.0f;  ///< the reach behind a surface grows so far along grazing beams
+constexpr size_t kSlack = 64;          ///< whole vectors may be read past the last row
 
 /// Repeats the first columns of a row of `columns` behind it, up to `pitch`.
 template <typename T>
@@ -126,7 +127,7 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
   const auto columns = static_cast<size_t>(image->columns), rows = static_cast<size_t>(image->rows);
   const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
   image->box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);
-  image->box_unit_m = (options.max_range_m + options.reach_behind_m + 1.0f) / 65000.0f;
+  image->box_unit_m = (options.max_range_m + kGrazingReach * options.reach_behind_m + 1.0f) / 65000.0f;
   const size_t pitch = columns + 256, stride = rows * pitch + kSlack;
   image->box_pitch = pitch;
   image->box_stride = stride;
@@ -135,8 +136,10 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
   for (size_t row = 0; row < rows; ++row) {
     std::copy_n(image->own[0].data() + row * static_cast<size_t>(image->pitch), columns, own.data());
     for (size_t i = 0; i < columns; ++i) {
-      const float hit = std::max(image->range[row * columns + i], 0.0f);
-      bound[i] = options.reach_behind_m > 0.0f ? std::max(own[i], hit + options.reach_behind_m) : own[i];
+      const size_t cell = row * columns + i;
+      const bool reaches = options.reach_behind_m > 0.0f && image->range[cell] > 0.0f;
+      const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
+      bound[i] = reaches ? std::max(own[i], image->range[cell] + reach) : own[i];
     }
     uint32_t* out = image->box.data() + row * pitch;
     HWY_DYNAMIC_DISPATCH(PackBounds)(own.data(), bound.data(), 1.0f / image->box_unit_m, columns, out);

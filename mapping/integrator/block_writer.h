@@ -1,0 +1,130 @@
+// Writes evidence into the blocks of one chunk: splits blocks where it must, collapses what became uniform
+// and keeps summaries and change marks. One for each field, with the same face.
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/integrator/occupancy_apply.h"
+#include "mapping/integrator/tsdf_apply.h"
+#include "mapping/octree/octree.h"
+
+namespace atlas::mapping {
+
+/// What a scan adds where it saw nothing but free space, and how blocks collapse.
+struct WriteRules {
+  int miss_units = 8;            ///< occupancy
+  int16_t free_distance = 4096;  ///< TSDF
+  bool lossless = false;
+};
+
+template <typename Field>
+class BlockWriter;
+
+template <>
+class BlockWriter<OccupancyField> {
+ public:
+  using Evidence = int8_t;  ///< a voxel each; 0 none
+  BlockWriter(const WriteRules& rules, int worker, OccupancyOctree* map, OccupancyOctree::Chunk* chunk)
+      : rules_(rules), worker_(worker), map_(map), chunk_(chunk) {}
+
+  /// A miss of whole uniform blocks: bits of 64 blocks from 64 * word.
+  void FreeUniform(size_t word, uint64_t blocks) {
+    changed_.bits[word] |= ApplyMiss(chunk_->uniform.log_odds + 64 * word, blocks, rules_.miss_units);
+  }
+  /// A miss of cells of 2^3. @pre the block is not fine.
+  void FreeCoarse(int block, uint64_t cells) {
+    int8_t* values = map_->MakeCoarse(chunk_, block, worker_).log_odds;
+    Finish(block, ApplyEvidence(values, 1, &cells, nullptr, rules_.miss_units));
+  }
+  /// A miss of voxels (null for all), overruled by evidence where there is some (null for none).
+  void UpdateFine(int block, const uint64_t* free, const Evidence* evidence) {
+    int8_t* values = map_->MakeFine(chunk_, block, worker_).log_odds;
+    Finish(block, ApplyEvidence(values, 8, free, evidence, rules_.miss_units));
+  }
+  /// Brings the chunk's summaries up to date and marks what changed.
+  void Close() {
+    map_->PropagateAbove(chunk_, changed_);
+    for (size_t word = 0; word < 8; ++word) chunk_->dirty.bits[word] |= changed_.bits[word];
+  }
+
+ private:
+  void Finish(int block, const ApplyResult& result) {
+    if (result.changed) changed_.Set(block);
+    const bool known = !result.node.any_unknown;
+    const bool equal = known && result.min == result.node.max;
+    if (equal || (known && result.node.max < 0 && !rules_.lossless)) {
+      map_->MakeUniform(chunk_, block, result.node.max, worker_);
+      changed_.Set(block);
+    } else {
+      chunk_->detail->block[static_cast<size_t>(block)] = result.node;
+    }
+  }
+
+  const WriteRules rules_;
+  const int worker_;
+  OccupancyOctree* const map_;
+  OccupancyOctree::Chunk* const chunk_;
+  BlockMask changed_;
+};
+
+template <>
+class BlockWriter<TsdfField> {
+ public:
+  using Evidence = int16_t;  ///< a voxel each; kNoDistance none
+  BlockWriter(const WriteRules& rules, int worker, TsdfOctree* map, TsdfOctree::Chunk* chunk)
+      : rules_(rules), worker_(worker), map_(map), chunk_(chunk) {}
+
+  void FreeUniform(size_t word, uint64_t blocks) {
+    const auto before = chunk_->uniform;
+    ApplyDistances(chunk_->uniform.distance + 64 * word, chunk_->uniform.weight + 64 * word, 1, &blocks,
+                   nullptr, rules_.free_distance);
+    for (uint64_t bits = blocks; bits != 0; bits &= bits - 1) {
+      const int block = static_cast<int>(64 * word) + __builtin_ctzll(bits);
+      if (!(before.Get(block) == chunk_->uniform.Get(block))) changed_.Set(block);
+    }
+  }
+  void FreeCoarse(int block, uint64_t cells) {
+    auto& leaf = map_->MakeCoarse(chunk_, block, worker_);
+    Finish(block, ApplyDistances(leaf.distance, leaf.weight, 1, &cells, nullptr, rules_.free_distance), leaf,
+           64);
+  }
+  void UpdateFine(int block, const uint64_t* free, const Evidence* evidence) {
+    auto& leaf = map_->MakeFine(chunk_, block, worker_);
+    Finish(block, ApplyDistances(leaf.distance, leaf.weight, 8, free, evidence, rules_.free_distance), leaf,
+           kBlockVoxels);
+  }
+  void Close() {
+    map_->Propagate(chunk_, changed_);
+    for (size_t word = 0; word < 8; ++word) chunk_->dirty.bits[word] |= changed_.bits[word];
+  }
+
+ private:
+  /// Collapses what is equal; else, unless lossless, what is free at the full distance throughout, keeping
+  /// the least weight.
+  template <typename Leaf>
+  void Finish(int block, bool changed, const Leaf& leaf, int count) {
+    if (changed) changed_.Set(block);
+    uint8_t lightest = 255, heaviest = 0;
+    int16_t least = INT16_MAX, greatest = INT16_MIN;
+    for (int i = 0; i < count; ++i) {
+      lightest = std::min(lightest, leaf.weight[i]);
+      heaviest = std::max(heaviest, leaf.weight[i]);
+      least = std::min(least, leaf.distance[i]);
+      greatest = std::max(greatest, leaf.distance[i]);
+    }
+    const bool equal = lightest == heaviest && least == greatest && lightest > 0;
+    const bool free = lightest > 0 && least >= rules_.free_distance && !rules_.lossless;
+    if (equal || free) {
+      map_->MakeUniform(chunk_, block, {least, lightest}, worker_);
+      changed_.Set(block);
+    }
+  }
+
+  const WriteRules rules_;
+  const int worker_;
+  TsdfOctree* const map_;
+  TsdfOctree::Chunk* const chunk_;
+  BlockMask changed_;
+};
+
+}  // namespace atlas::mapping

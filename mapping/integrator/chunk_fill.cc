@@ -1,0 +1,278 @@
+#include <cmath>
+
+#include "mapping/integrator/block_writer.h"
+#include "mapping/integrator/chunk_fill.h"
+
+namespace atlas::mapping {
+namespace {
+
+/// The 8 voxels along one axis from `corner` that lie in [min, max).
+uint32_t KeptAlong(int corner, int min, int max) {
+  const int first = std::clamp(min - corner, 0, 8), last = std::clamp(max - corner, 0, 8);
+  return first >= last ? 0u : (0xffu >> (8 - (last - first))) << first;
+}
+
+/// Bits of the 2^3 cells as bits of voxels.
+FreeCells ToVoxels(uint64_t cells) {
+  FreeCells out;
+  for (int i = 0; i < 4; ++i) {
+    uint64_t layer = 0;
+    for (int y = 0; y < 4; ++y) {
+      for (int x = 0; x < 4; ++x) {
+        layer |= (cells >> (16 * i + 4 * y + x) & 1) * (uint64_t{0x0303} << (2 * x + 16 * y));
+      }
+    }
+    out.voxels[static_cast<size_t>(2 * i)] = out.voxels[static_cast<size_t>(2 * i + 1)] = layer;
+  }
+  return out;
+}
+
+/// Bits of 8 cells of 4^3 as bits of 64 cells of 2^3.
+uint64_t ToCoarse(uint64_t octants) {
+  uint64_t out = 0;
+  for (int octant = 0; octant < 8; ++octant) {
+    if (octants >> octant & 1) {
+      const int x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
+      out |= uint64_t{0x330033} << (2 * x + 8 * y + 32 * z);
+    }
+  }
+  return out;
+}
+
+/// Evidence on surfaces in one block: Eq. 4.2's updates, scattered beforehand.
+class OccupancyEvidence {
+ public:
+  OccupancyEvidence(const FillContext& context, const ChunkWork& work)
+      : context_(context), index_(work.index) {
+    const BlockMask* touched = context.hits->Touched(work.index);
+    if (touched != nullptr) touched_ = *touched;
+  }
+  /// Blocks that may bear evidence though no beam passes freely.
+  uint64_t Candidates(size_t word) const { return touched_.bits[word]; }
+  const int8_t* Of(int block, const NodeKey&, int) {
+    return touched_.Test(block) ? context_.hits->Block(index_, block).delta : nullptr;
+  }
+
+ private:
+  const FillContext& context_;
+  const size_t index_;
+  BlockMask touched_;
+};
+
+/// Distances to the planes of the nearest beams, measured voxel by voxel.
+class TsdfEvidence {
+ public:
+  TsdfEvidence(const FillContext& context, const ChunkWork& work) : context_(context), mixed_(work.mixed) {}
+  uint64_t Candidates(size_t) const { return 0; }
+  const int16_t* Of(int block, const NodeKey& corner, int scale) {
+    if (!mixed_.Test(block)) return nullptr;
+    const bool any = MeasureDistances(*context_.image, *context_.frame, corner,
+                                      context_.truncation_m * static_cast<float>(scale),
+                                      context_.distance_unit_m, measured_);
+    return any ? measured_ : nullptr;
+  }
+
+ private:
+  const FillContext& context_;
+  const BlockMask& mixed_;
+  alignas(64) int16_t measured_[kBlockVoxels];
+};
+
+template <typename Field>
+struct EvidenceOf;
+template <>
+struct EvidenceOf<OccupancyField> {
+  using Type = OccupancyEvidence;
+};
+template <>
+struct EvidenceOf<TsdfField> {
+  using Type = TsdfEvidence;
+};
+
+template <typename Field>
+class Filler {
+ public:
+  using Chunk = typename Octree<Field>::Chunk;
+  using Evidence = typename BlockWriter<Field>::Evidence;
+
+  Filler(const FillContext& context, const ChunkWork& work, int worker, Octree<Field>* map, Chunk* chunk)
+      : context_(context),
+        work_(work),
+        chunk_(chunk),
+        writer_(context.rules, worker, map, chunk),
+        evidence_(context, work_) {
+    corner_ = {work.window.x * kChunkSide, work.window.y * kChunkSide, work.window.z * kChunkSide};
+  }
+
+  void Run() {
+    if (work_.cut) CutBlocks();
+    for (size_t word = 0; word < 8; ++word) {
+      const uint64_t full = work_.full.bits[word], candidates = evidence_.Candidates(word);
+      const uint64_t leaves = chunk_->fine.bits[word] | chunk_->coarse.bits[word];
+      if (const uint64_t whole = full & ~leaves & ~candidates) writer_.FreeUniform(word, whole);
+      ForEach(full & (leaves | candidates), word, [&](int block) { FreeWhole(block); });
+      ForEach((work_.mixed.bits[word] | candidates) & ~full, word, [&](int block) { FillMixed(block); });
+    }
+    writer_.Close();
+  }
+
+ private:
+  template <typename Visit>
+  static void ForEach(uint64_t bits, size_t word, const Visit& visit) {
+    for (; bits != 0; bits &= bits - 1) visit(static_cast<int>(64 * word) + __builtin_ctzll(bits));
+  }
+
+  NodeKey CornerOf(int block) const {
+    const NodeKey b = BlockOffset(block);
+    return {corner_.x + 8 * b.x, corner_.y + 8 * b.y, corner_.z + 8 * b.z};
+  }
+
+  /// Blocks outside what is kept are dropped; those on its border are decided voxel by voxel.
+  void CutBlocks() {
+    for (int block = 0; block < kChunkBlocks; ++block) {
+      if (Inside(block)) continue;
+      FreeCells all;
+      all.voxels.fill(~uint64_t{0});
+      Keep(block, &all);
+      uint64_t any = 0;
+      for (const uint64_t layer : all.voxels) any |= layer;
+      const bool reached = work_.mixed.Test(block) || work_.full.Test(block);
+      work_.full.Clear(block);
+      work_.mixed.Clear(block);
+      if (any != 0 && reached) work_.mixed.Set(block);
+    }
+  }
+
+  void FreeWhole(int block) {
+    const Evidence* evidence = evidence_.Of(block, CornerOf(block), 1);
+    if (chunk_->coarse.Test(block) && evidence == nullptr) {
+      writer_.FreeCoarse(block, ~uint64_t{0});
+    } else {
+      writer_.UpdateFine(block, nullptr, evidence);
+    }
+  }
+
+  void FillMixed(int block) {
+    const bool inside = Inside(block);
+    const int cone = ScaleAt(block);
+    const Evidence* evidence = evidence_.Of(block, CornerOf(block), cone);
+    const bool uniform = chunk_->Kind(block) == BlockKind::kUniform;
+    if (!context_.rules.lossless && uniform && evidence == nullptr &&
+        Field::Free(chunk_->uniform.Get(block))) {
+      return;  // free as a whole already: a partial miss adds nothing
+    }
+    FreeCells cells{};
+    int scale = 1;
+    if (work_.mixed.Test(block)) {
+      scale = !inside || HoldsSurface(block) ? 1 : cone;
+      if (TestCells(*context_.image, *context_.frame, CornerOf(block), scale, &cells) && scale > 1) {
+        scale = 1;  // neighbours veto part of the cone: decide voxel by voxel
+        TestCells(*context_.image, *context_.frame, CornerOf(block), scale, &cells);
+      }
+    }
+    if (!inside) {
+      Keep(block, &cells);
+      if (evidence != nullptr) evidence = Keep(block, evidence);
+    }
+    Apply(block, scale, cells, evidence);
+  }
+
+  void Apply(int block, int scale, FreeCells cells, const Evidence* evidence) {
+    const bool uniform = chunk_->Kind(block) == BlockKind::kUniform;
+    if (scale == 4) cells.voxels[0] = ToCoarse(cells.voxels[0]);
+    if (scale > 1 && !chunk_->fine.Test(block) && evidence == nullptr) {
+      if (cells.voxels[0] == 0) return;
+      if (uniform && ~cells.voxels[0] == 0) {
+        FreeUniform(block);
+      } else {
+        writer_.FreeCoarse(block, cells.voxels[0]);
+      }
+      return;
+    }
+    if (scale > 1) cells = ToVoxels(cells.voxels[0]);
+    uint64_t any = 0, all = ~uint64_t{0};
+    for (const uint64_t layer : cells.voxels) {
+      any |= layer;
+      all &= layer;
+    }
+    if (any == 0 && evidence == nullptr) return;
+    if (~all == 0 && uniform && evidence == nullptr) {
+      FreeUniform(block);
+    } else {
+      writer_.UpdateFine(block, cells.voxels.data(), evidence);
+    }
+  }
+
+  void FreeUniform(int block) {
+    writer_.FreeUniform(static_cast<size_t>(block >> 6), uint64_t{1} << (block & 63));
+  }
+
+  bool HoldsSurface(int block) const {
+    if (!chunk_->fine.Test(block)) return false;
+    const typename Field::Node& node = chunk_->detail->block[static_cast<size_t>(block)];
+    if constexpr (std::is_same_v<Field, OccupancyField>) {
+      return node.max > 0;
+    } else {
+      return node.min_distance < context_.rules.free_distance;
+    }
+  }
+
+  /// Thesis 4.5.1: the largest cells that the beams' cone holds at this distance.
+  int ScaleAt(int block) const {
+    const NodeKey corner = CornerOf(block);
+    float p[3];
+    context_.frame->ToLidar(static_cast<float>(corner.x + 4), static_cast<float>(corner.y + 4),
+                            static_cast<float>(corner.z + 4), p);
+    const float distance = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    const float cone = distance * static_cast<float>(context_.image->grid->min_pitch_rad);
+    const float voxels = cone / context_.frame->resolution_m;
+    return std::min(voxels >= 4.0f ? 4 : voxels >= 2.0f ? 2 : 1, context_.max_scale);
+  }
+
+  bool Inside(int block) const {
+    if (!work_.cut) return true;
+    const NodeKey c = CornerOf(block), &a = context_.keep_min, &b = context_.keep_max;
+    return c.x >= a.x && c.y >= a.y && c.z >= a.z && c.x + 8 <= b.x && c.y + 8 <= b.y && c.z + 8 <= b.z;
+  }
+  void Keep(int block, FreeCells* cells) const {
+    const NodeKey c = CornerOf(block), &a = context_.keep_min, &b = context_.keep_max;
+    const uint64_t x = KeptAlong(c.x, a.x, b.x), y = KeptAlong(c.y, a.y, b.y), z = KeptAlong(c.z, a.z, b.z);
+    uint64_t layer = 0;
+    for (int row = 0; row < 8; ++row) layer |= (y >> row & 1) * (x << (8 * row));
+    for (size_t i = 0; i < 8; ++i) cells->voxels[i] &= (z >> i & 1) * layer;
+  }
+  const Evidence* Keep(int block, const Evidence* evidence) {
+    constexpr Evidence kNone = std::is_same_v<Field, OccupancyField> ? Evidence{0} : Evidence(kNoDistance);
+    FreeCells kept;
+    kept.voxels.fill(~uint64_t{0});
+    Keep(block, &kept);
+    bool any = false;
+    for (size_t i = 0; i < kBlockVoxels; ++i) {
+      const bool in = kept.voxels[i >> 6] >> (i & 63) & 1;
+      kept_evidence_[i] = in ? evidence[i] : kNone;
+      any = any || kept_evidence_[i] != kNone;
+    }
+    return any ? kept_evidence_ : nullptr;
+  }
+
+  const FillContext& context_;
+  ChunkWork work_;
+  Chunk* const chunk_;
+  BlockWriter<Field> writer_;
+  typename EvidenceOf<Field>::Type evidence_;
+  NodeKey corner_;
+  alignas(64) Evidence kept_evidence_[kBlockVoxels];
+};
+
+}  // namespace
+
+template <typename Field>
+void FillChunk(const FillContext& context, const ChunkWork& work, int worker, Octree<Field>* map,
+               typename Octree<Field>::Chunk* chunk) {
+  Filler<Field>(context, work, worker, map, chunk).Run();
+}
+
+template void FillChunk(const FillContext&, const ChunkWork&, int, OccupancyOctree*, OccupancyOctree::Chunk*);
+template void FillChunk(const FillContext&, const ChunkWork&, int, TsdfOctree*, TsdfOctree::Chunk*);
+
+}  // namespace atlas::mapping

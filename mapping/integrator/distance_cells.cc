@@ -1,0 +1,101 @@
+// Distances of voxels to the surface planes of their nearest beams (MultiresTSDF).
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mapping/integrator/distance_cells.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "mapping/integrator/block_project-inl.h"
+#include "mapping/integrator/tsdf_apply.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+
+struct DistanceRules {
+  float truncation_m, per_unit;
+};
+
+/// Distances of Lanes(d) voxels at (x, y, z) in the turned frame; stores them and says whether any is within
+/// the truncation.
+HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules& rules, const GridPoint& p,
+                              VF x, VF y, VF z, const float turn[2], int16_t* out) {
+  const DI di;
+  const hn::Rebind<int16_t, DF> d16;
+  const VF half = hn::Set(d, 0.5f), none = hn::Set(d, static_cast<float>(kNoDistance));
+  const MF in =
+      hn::And(hn::Ge(p.v, hn::Neg(half)), hn::Lt(p.v, hn::Set(d, static_cast<float>(image.rows) - 0.5f)));
+  const VI columns = hn::Set(di, image.columns);
+  const VI row = FloorPositive(di, hn::Add(hn::IfThenElseZero(in, p.v), half));
+  VI column = FloorPositive(di, hn::Add(p.u, half));
+  column = hn::IfThenElse(hn::Lt(column, columns), column, hn::Sub(column, columns));
+  const VI cell = hn::Add(hn::Mul(row, columns), column);
+  const VF range = hn::GatherIndex(d, image.range.data(), cell);
+  const MF hit = hn::And(in, hn::Gt(range, hn::Zero(d)));
+  VF value = none;
+  bool any = false;
+  if (!hn::AllFalse(d, hit)) {
+    const VF nx = hn::GatherIndex(d, image.nx.data(), cell), ny = hn::GatherIndex(d, image.ny.data(), cell),
+             nz = hn::GatherIndex(d, image.nz.data(), cell);
+    const VF px = hn::GatherIndex(d, image.x.data(), cell), py = hn::GatherIndex(d, image.y.data(), cell),
+             pz = hn::GatherIndex(d, image.z.data(), cell);
+    // Back from the turned frame.
+    const VF c = hn::Set(d, turn[0]), s = hn::Set(d, turn[1]);
+    const VF lx = hn::Sub(hn::Mul(x, c), hn::Mul(y, s)), ly = hn::Add(hn::Mul(x, s), hn::Mul(y, c));
+    const VF distance = hn::Add(hn::Add(hn::Mul(nx, hn::Sub(lx, px)), hn::Mul(ny, hn::Sub(ly, py))),
+                                hn::Mul(nz, hn::Sub(z, pz)));
+    const VF far = hn::Set(d, rules.truncation_m);
+    const MF within = hn::And(hit, hn::Lt(hn::Abs(distance), far));
+    any = !hn::AllFalse(d, within);
+    value = hn::IfThenElse(within, hn::Mul(distance, hn::Set(d, rules.per_unit)), none);
+  }
+  const VI rounded =
+      hn::ConvertTo(di, hn::Add(value, hn::CopySign(hn::IfThenElseZero(hn::Ne(value, none), half), value)));
+  hn::StoreU(hn::DemoteTo(d16, rounded), d16, out);
+  return any;
+}
+
+bool MeasureBlock(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, float truncation_m,
+                  float unit_m, int16_t* out) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d);
+  const DistanceRules rules{truncation_m, 1.0f / unit_m};
+  bool any = false;
+  WithProjector(image, frame, corner, 1, [&](const Lattice& lattice, const auto& projector, float) HWY_ATTR {
+    for (int z = 0; z < lattice.layers; ++z) {
+      for (int j = 0; j < lattice.groups_y; ++j) {
+        float at[3];
+        for (int c = 0; c < 3; ++c) {
+          at[c] = lattice.first[c] + static_cast<float>(j) * lattice.step_y[c] +
+                  static_cast<float>(z) * lattice.step_z[c];
+        }
+        int16_t* group = out + 64 * z + 16 * j;
+        for (size_t i = 0; i < kGroup; i += lanes) {
+          const VF x = hn::Add(hn::Set(d, at[0]), hn::LoadU(d, lattice.lane[0] + i));
+          const VF y = hn::Add(hn::Set(d, at[1]), hn::LoadU(d, lattice.lane[1] + i));
+          const VF zz = hn::Add(hn::Set(d, at[2]), hn::LoadU(d, lattice.lane[2] + i));
+          const GridPoint p = projector.Project(d, x, y, zz);
+          any |= MeasureVector(d, image, rules, p, x, y, zz, lattice.turn, group + i);
+        }
+      }
+    }
+  });
+  return any;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace atlas::mapping {
+namespace {
+HWY_EXPORT(MeasureBlock);
+}  // namespace
+
+bool MeasureDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                      float truncation_m, float unit_m, int16_t* out) {
+  return HWY_DYNAMIC_DISPATCH(MeasureBlock)(image, frame, corner, truncation_m, unit_m, out);
+}
+
+}  // namespace atlas::mapping
+#endif
