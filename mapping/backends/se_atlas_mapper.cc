@@ -17,6 +17,9 @@ using core::Vec3;
 using core::Vec3f;
 using Field = OccupancyField;
 
+/// Of a scan's miss: the evidence behind a surface that Eq. 4.2 gives near the sensor, rounded down.
+constexpr double kSurfaceShare = 0.75;
+
 IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3& region) {
   IntegratorParams integrator;
   integrator.max_range_m = params.max_range_m;
@@ -35,10 +38,10 @@ class SeAtlasMapper : public Mapper {
         grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
         last_hit_(grid_.frame().count(), 0) {
     if (!lidar) throw core::InputError("mapper: se_atlas needs the beam table of the LiDAR it will hear");
-    integrator_ = MakeConeIntegrator<Field>(IntegratorParamsOf(params, grid_.region()), *lidar);
-    for (int v = 0; v < 256; ++v) {
-      const auto value = static_cast<int8_t>(v);
-      code_[static_cast<size_t>(v)] = DenseGrid::CodeOf(static_cast<float>(Field::LogOdds(value)));
+    const IntegratorParams integrator = IntegratorParamsOf(params, grid_.region());
+    integrator_ = MakeConeIntegrator<Field>(integrator, *lidar);
+    for (int v = -128; v < 128; ++v) {
+      code_[static_cast<uint8_t>(v)] = DenseGrid::CodeOf(ViewLogOdds(static_cast<int8_t>(v), integrator));
     }
   }
 
@@ -71,6 +74,20 @@ class SeAtlasMapper : public Mapper {
   }
 
  private:
+  /// What planners are told of a voxel's log-odds. Free nodes keep the least that is known of their voxels,
+  /// and cones claim free space only where no beam contradicts, so a scan's miss decides free; as much
+  /// evidence as a scan gives of a surface decides occupied (thesis 4.5.2: negative is free, positive
+  /// occupied). What lies between has seen both.
+  float ViewLogOdds(int8_t value, const IntegratorParams& integrator) const {
+    const double log_odds = Field::LogOdds(value);
+    const auto of = [](double p) { return std::log(p / (1.0 - p)); };
+    if (log_odds <= -integrator.miss_nats + 1e-6) return static_cast<float>(of(params_.clamp_min));
+    if (log_odds >= kSurfaceShare * integrator.miss_nats - 1e-6) {
+      return static_cast<float>(of(params_.clamp_max));
+    }
+    return static_cast<float>(log_odds);
+  }
+
   /// Once a spin for each voxel that was hit, by its first ray.
   void MarkBehind(const UndistortedSpin& spin) {
     if (++spin_ == 0) {
