@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <optional>
 
 #include "core/lidar_model.h"
@@ -11,6 +10,7 @@
 #include "experiments/run_film.h"
 #include "experiments/sensor_feed.h"
 #include "experiments/stopwatch.h"
+#include "planner/utility/surface_tally.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 
@@ -40,6 +40,7 @@ struct Mission {
             [this](const core::PointCloud& cloud) { metrics.TakeCloud(cloud); }, &lanes),
         planner(planner::MakeNbvPlanner(config.planner, robot, SensorModel(), scene.object_box,
                                         options.threads, rng.Split("planner"))),
+        surface(scene.object_box, config.mapper.resolution_m),
         lanes(kTaskLanes, options.threads > 1) {
     terrain.InitialiseUnderRobot(T_map_base());
     simulator->SetSink(&feed);
@@ -76,8 +77,8 @@ struct Mission {
   planner::ElevationMap terrain;
   SensorFeed feed;
   std::unique_ptr<planner::NbvPlanner> planner;
-  size_t surface_voxels = 0;  ///< occupied after the last scan
-  core::TaskLanes lanes;      ///< ends before what its tasks work on
+  planner::SurfaceTally surface;
+  core::TaskLanes lanes;  ///< ends before what its tasks work on
 };
 
 struct Ending {
@@ -114,8 +115,10 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
 
   const SensorFeed::Mapped mapped = m->feed.DrainMap();
   const std::vector<core::Vec3f> surface = m->mapper->view().OccupiedCenters();
-  const size_t new_surface = surface.size() - std::min(surface.size(), m->surface_voxels);
-  m->surface_voxels = surface.size();
+  const Stopwatch updating;
+  m->feed.AdoptTerrain();
+  m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
+  const size_t new_surface = m->surface.CountNew(surface, m->terrain);
   m->planner->OnSweep(T_map_base, new_surface);
   m->metrics.ObserveMap(mapped.cloud_points, 1e3 * mapped.integration_s, new_surface);
   m->lanes.Post(kMapLane, [m] { m->metrics.ScoreClouds(*m->mapper); });
@@ -125,9 +128,6 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
 
 /// Plans while the metrics are scored.
 planner::NbvDecision PlanNextView(Mission* m) {
-  const Stopwatch updating;
-  m->feed.AdoptTerrain();
-  m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
   const Stopwatch planning;
   planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), m->terrain);
   m->metrics.timing().nbv_time_s = planning.seconds();

@@ -80,6 +80,7 @@ class Planner final : public NbvPlanner {
   void ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
                    const CandidateTree& tree, NbvDecision* decision) const;
   std::vector<int> RankViews(NbvDecision* decision) const;
+  void Retreat(const Pose& T_map_base, NbvDecision* decision);
   void FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
                NbvDecision* decision) const;
 
@@ -92,6 +93,7 @@ class Planner final : public NbvPlanner {
   ViewMemory memory_;
   Roadmap roadmap_{kLatticeSpacing_m};
   Termination termination_;
+  std::vector<Vec2> way_here_;  ///< the path of the latest view
   int plans_ = 0;
 };
 
@@ -104,7 +106,10 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
   const CandidateTree tree = PickPlaces(walkable, rng);
   decision.nodes_obtained = static_cast<int>(tree.nodes.size());
   decision.attempts = tree.attempts;
-  if (tree.nodes.empty()) return decision;
+  if (tree.nodes.empty()) {
+    Retreat(T_map_base, &decision);
+    return decision;
+  }
 
   EvaluateGains(map, walkable, tree, &decision);
   ValueViews(&decision);
@@ -123,6 +128,7 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
   FindWay(walkable, tree, ranked[0], rng, &decision);
   const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
   memory_.Commit({view.p_map, view.yaw_rad});
+  way_here_ = decision.path_map;
   return decision;
 }
 
@@ -234,6 +240,28 @@ std::vector<int> Planner::RankViews(NbvDecision* decision) const {
     std::rotate(ranked.begin(), kept, kept + 1);
   }
   return ranked;
+}
+
+/// Where the robot stands, nothing about it looks walkable any more (it learnt of an overhang, say): the way
+/// it came is known to be, and leads back to the view before. Once: a second time there are no candidates.
+void Planner::Retreat(const Pose& T_map_base, NbvDecision* decision) {
+  const Vec2 here = T_map_base.translation().head<2>();
+  if (way_here_.size() < 2 || (way_here_.back() - here).norm() > kLatticeSpacing_m) return;
+  std::reverse(way_here_.begin(), way_here_.end());
+  way_here_.front() = here;
+  decision->path_map = std::move(way_here_);
+  way_here_.clear();
+  decision->path_length_m = PathLength(decision->path_map);
+  Candidate back;
+  back.p_map = decision->path_map.back();
+  back.ground_m = T_map_base.translation().z() - evaluator_.view().sensor_height_m();
+  const Vec2 last = back.p_map - decision->path_map[decision->path_map.size() - 2];
+  back.yaw_rad = std::atan2(last.y(), last.x());
+  back.path_length_m = decision->path_length_m;
+  back.reason = LossReason::kChosen;
+  decision->candidates = {back};
+  decision->best = 0;
+  decision->outcome = NbvOutcome::kView;
 }
 
 void Planner::FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,

@@ -43,7 +43,7 @@ struct NbvParams {
   // Termination, Eq. 3.8 made scale-free.
   double stop_ratio = 0.05;     ///< of the first view's utility
   int stop_rounds = 2;          ///< low rounds in a row
-  double flat_share = 0.02;     ///< a sweep that adds less of all surface seen so far counts as flat
+  double flat_share = 0.015;    ///< a sweep that adds less of all surface seen so far counts as flat
   int flat_rounds = 3;          ///< flat sweeps in a row that stop whatever views promise
   double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
   int blacklist_after = 2;      ///< views that gained nothing here so often are dropped
@@ -91,7 +91,8 @@ class NbvPlanner {
  public:
   virtual ~NbvPlanner() = default;
   /// Tells the planner that a sweep was taken at this base pose, and the share of ground-truth-free progress:
-  /// `new_surface` = newly occupied voxels, so that views that promise and do not deliver are blacklisted.
+  /// `new_surface` = voxels of the object occupied for the first time (SurfaceTally), so that views that
+  /// promise and do not deliver are blacklisted.
   virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
   virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::OccupancyView& map,
                            const TraversableGround& terrain) = 0;

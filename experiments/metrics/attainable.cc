@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/parallel_for.h"
@@ -24,6 +25,8 @@ constexpr float kMetWithinM = 0.01f;
 // Samples share a bucket of this size; late positions aim at one of each bucket in turn.
 constexpr double kBucketM = 0.06;
 constexpr int kCoarsestStride = 16;
+// Views that add less of what is wanted are not worth their ray.
+constexpr float kLeastShare = 0.01f;
 
 /// Surface samples that rays are aimed at: thinned truth, and what else lies within the scoring radius of
 /// truth (ground at its foot), whose hits count too.
@@ -73,7 +76,8 @@ struct Position {
   int stride;
 };
 
-/// Coarse sub-lattices first, so that most samples are met early and later positions have little left to do.
+/// Coarse sub-lattices first, so that most samples are closed early and later positions have little left to
+/// do.
 std::vector<Position> OrderedPositions(const ReachableSet& set, const Vec3& spawn, double spacing_m) {
   std::vector<Position> positions;
   for (const Vec3& ground : LatticePositions(set, spawn, spacing_m)) {
@@ -98,29 +102,31 @@ class Search {
         max_range_m_(static_cast<float>(max_range_m)),
         threads_(options.threads),
         cast_(cast),
-        met_(targets.p.size(), 0) {
+        min_rays_(static_cast<float>(options.min_rays)),
+        met_from_(targets.p.size(), 0),
+        expected_(targets.p.size(), 0.0f) {
     // Expected rays within the radius of a sample seen at incidence i from d: density * pi r^2 cos(i) / d^2.
     const double disc = core::kPi * options.radius_m * options.radius_m;
-    min_cos_over_sq_ = static_cast<float>(options.min_rays / (rays_per_steradian * disc));
+    rays_times_sq_ = static_cast<float>(rays_per_steradian * disc);
     for (uint32_t b = 0; b + 1 < targets.bucket_begin.size(); ++b) open_.push_back(b);
   }
 
   /// Aims at open samples from one position; the hits go to `scorer`.
   void From(const Position& position, size_t number, CoverageScorer* scorer) {
+    position_ = static_cast<uint32_t>(number) + 1;
+    yielding_.clear();
     GatherAims(position, number);
     CastAims(number);
-    if (whole_buckets_.empty()) return Score(scorer);
     Score(scorer);
+    if (!sampled_ || yielding_.empty()) return;
     // A bucket that yields is worth a full look from here.
     aims_.clear();
-    for (const uint32_t b : whole_buckets_) {
+    for (const uint32_t b : std::exchange(yielding_, {})) {
       for (uint32_t k = targets_.bucket_begin[b]; k < targets_.bucket_begin[b + 1]; ++k)
         TryAim(position, k, 0, b, &aims_);
     }
-    whole_buckets_.clear();
     CastAims(number);
     Score(scorer);
-    whole_buckets_.clear();
   }
 
   size_t rays() const { return rays_; }
@@ -129,12 +135,15 @@ class Search {
   struct Aim {
     SweepAim::Shot shot;
     uint32_t target, bucket;
+    float expected;  ///< rays within the radius of the target, from this position
   };
 
-  /// Queues a ray at target `k` unless it was met, turns its back, or lies too far or too aslant.
+  bool Open(uint32_t k) const { return expected_[k] < min_rays_; }
+
+  /// Queues a ray at target `k` unless it is closed, turns its back, or lies too far or too aslant.
   void TryAim(const Position& position, uint32_t k, int variant, uint32_t bucket,
               std::vector<Aim>* aims) const {
-    if (met_[k] != 0) return;
+    if (!Open(k) || met_from_[k] == position_) return;
     const Vec3f sensor = (position.ground + Vec3(0.0, 0.0, aim_.sensor_height_m())).cast<float>();
     const Vec3f back = sensor - targets_.p[k];
     const float distance_sq = back.squaredNorm();
@@ -144,20 +153,21 @@ class Search {
     const Vec3f& n = targets_.normal[k];
     const bool faces = !n.isZero();
     if (faces && n.dot(back) < -static_cast<float>(aim_.sensor_reach_m())) return;
-    Aim aim{.shot = {}, .target = k, .bucket = bucket};
+    Aim aim{.shot = {}, .target = k, .bucket = bucket, .expected = 0.0f};
     if (!aim_.At(position.ground, targets_.p[k], variant, &aim.shot)) return;
     const float d = aim.shot.distance_m;
     if (d < min_range_m_ || d > max_range_m_) return;
     const float cosine = faces ? -n.dot(aim.shot.direction) : 1.0f;
-    if (cosine < min_cos_over_sq_ * d * d) return;
+    aim.expected = rays_times_sq_ * cosine / (d * d);
+    if (aim.expected < kLeastShare * min_rays_) return;
     aims->push_back(aim);
   }
 
   void GatherAims(const Position& position, size_t number) {
-    // Buckets whose samples were all met leave the list.
+    // Buckets whose samples are all closed leave the list.
     std::erase_if(open_, [&](uint32_t b) {
       for (uint32_t k = targets_.bucket_begin[b]; k < targets_.bucket_begin[b + 1]; ++k) {
-        if (met_[k] == 0) return false;
+        if (Open(k)) return false;
       }
       return true;
     });
@@ -171,12 +181,12 @@ class Search {
           for (uint32_t k = first; k < last; ++k) TryAim(position, k, variant, b, &found[worker]);
           continue;
         }
-        // One unmet sample of the bucket, another one each time.
+        // One open sample of the bucket, another one each time.
         const uint32_t count = last - first,
                        start = static_cast<uint32_t>(core::HashCounter(b, number) % count);
         for (uint32_t step = 0; step < count; ++step) {
           const uint32_t k = first + (start + step) % count;
-          if (met_[k] != 0) continue;
+          if (!Open(k)) continue;
           TryAim(position, k, variant, b, &found[worker]);
           break;
         }
@@ -198,27 +208,30 @@ class Search {
     std::vector<Vec3f> hits;
     for (size_t i = 0; i < aims_.size(); ++i) {
       if (range_[i] < min_range_m_) continue;
-      const SweepAim::Shot& shot = aims_[i].shot;
-      hits.push_back(shot.origin + range_[i] * shot.direction);
-      if (std::abs(range_[i] - shot.distance_m) > kMetWithinM) continue;
-      met_[aims_[i].target] = 1;
-      if (sampled_ && (whole_buckets_.empty() || whole_buckets_.back() != aims_[i].bucket)) {
-        whole_buckets_.push_back(aims_[i].bucket);
-      }
+      const Aim& aim = aims_[i];
+      if (std::abs(range_[i] - aim.shot.distance_m) > kMetWithinM || !Open(aim.target)) continue;
+      met_from_[aim.target] = position_;
+      expected_[aim.target] += aim.expected;
+      if (!Open(aim.target)) hits.push_back(aim.shot.origin + range_[i] * aim.shot.direction);
+      if (yielding_.empty() || yielding_.back() != aim.bucket) yielding_.push_back(aim.bucket);
     }
     scorer->AddPoints(hits, core::Pose::Identity());
   }
 
   const Targets& targets_;
   const SweepAim& aim_;
-  float min_range_m_, max_range_m_, min_cos_over_sq_;
+  float min_range_m_, max_range_m_;
+  float rays_times_sq_ = 0.0f;  ///< expected rays, times distance squared, at normal incidence
   int threads_;
   const CastRays& cast_;
-  std::vector<uint8_t> met_;
-  std::vector<uint32_t> open_;  // buckets with unmet samples
+  float min_rays_;
+  std::vector<uint32_t> met_from_;  // the latest position that met each target, from 1
+  uint32_t position_ = 0;
+  std::vector<float> expected_;  // rays within the radius of each target, of all positions so far
+  std::vector<uint32_t> open_;   // buckets with open samples
   std::vector<Aim> aims_;
   std::vector<float> range_;
-  std::vector<uint32_t> whole_buckets_;
+  std::vector<uint32_t> yielding_;  // buckets of which this position met a sample
   bool sampled_ = false;
   size_t rays_ = 0;
 };

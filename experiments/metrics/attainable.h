@@ -2,11 +2,12 @@
 //
 // The same scorer (coverage.h) is fed the hits of noise-free sweeps from every point of a 0.5 m lattice over
 // the truly reachable set (reachable.h), at eight headings. Casting those sweeps whole would take some 10^10
-// rays, so rays are aimed: at each position only at those truth samples that no ray has met yet, and only
-// where some heading's sweep sends beams (roll range, beam elevations, range limits) densely enough to put
-// `min_rays` of them within the scoring radius. Each aimed ray leaves from where the sensor is when its roll
-// brings a beam onto the sample, and what it truly hits is what is scored, so nothing counts that a sweep
-// could not have measured.
+// rays, so rays are aimed: at each position only at those truth samples that are still open, where some
+// heading's sweep sends beams (roll range, beam elevations, range limits). Each aimed ray leaves from where
+// the sensor is when its roll brings a beam onto the sample. One that truly meets its sample adds the rays
+// that the position's sweeps are expected to put within the scoring radius; once those of all positions
+// together make `min_rays`, a return in the union is nearly certain, the sample's hit is scored, and it is
+// closed.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,7 @@ struct AttainableOptions {
   double sweep_roll_deg = 40.0;
   double sweep_period_s = 6.0;
   double target_spacing_m = 0.015;  ///< of the truth samples that rays are aimed at
-  double min_rays = 3.0;            ///< expected within the radius of a sample, all headings of one position
+  double min_rays = 3.0;            ///< expected within the radius of a sample, all positions and headings
   ReachOptions reach;
   int threads = 1;
 };

@@ -10,7 +10,7 @@ namespace atlas::experiments {
 namespace {
 
 constexpr uint64_t kMagic = 0x316e69617474411aull;  // changes with the meaning of the file or of the method
-constexpr uint64_t kMethod = 3;
+constexpr uint64_t kMethod = 4;
 
 struct Header {
   uint64_t magic, key, points, positions, rays;

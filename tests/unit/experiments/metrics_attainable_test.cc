@@ -269,6 +269,55 @@ TEST(Attainable, EqualsTheUnionOfDenseSweeps) {
   EXPECT_LT(set.coverage, 0.99);  // something is hidden, or this shows nothing
 }
 
+/// Expected rays within the radius of a point on a box in the open, all lattice positions together: density
+/// times the disc's solid angle, wherever the face is turned to the sensor and a beam can be.
+std::pair<double, double> ExpectedRays(const BoxWorld& world, const Vec3f& p, const Vec3f& normal,
+                                       const AttainableOptions& options) {
+  const robots::RobotSpec robot = TestRobot();
+  const core::LidarModel lidar = core::FindLidarModel("vlp16");
+  const SweepAim aim(robot, lidar, options.headings, core::Radians(options.sweep_roll_deg));
+  const double density = aim.RaysPerSteradian(lidar, options.headings, options.sweep_period_s);
+  const ReachableSet reachable = ReachableForScanning(world.scene, robot, lidar, options);
+  double sum = 0.0, most = 0.0;
+  for (const Vec3& ground :
+       LatticePositions(reachable, world.scene.T_map_spawn.translation(), options.lattice_m)) {
+    SweepAim::Shot shot;
+    if (!aim.At(ground, p, 0, &shot)) continue;
+    const double cosine = -static_cast<double>(normal.dot(shot.direction));
+    if (cosine <= 0.0) continue;
+    const double d = static_cast<double>(shot.distance_m);
+    const double rays = density * core::kPi * options.radius_m * options.radius_m * cosine / (d * d);
+    sum += rays;
+    most = std::max(most, rays);
+  }
+  return {sum, most};
+}
+
+TEST(Attainable, ExpectedRaysOfAllPositionsAddUp) {
+  BoxWorld world;
+  world.Add({-4, -4, -0.5}, {4, 4, 0});
+  world.Add({-0.2, -0.2, 0}, {0.2, 0.2, 1.0}, true);
+  world.scene.T_map_spawn = core::PoseFromXyzYaw({-2.0, 0.0, 0.0}, 0.0);
+  const scenes::GroundTruth truth = world.Truth(0.01);
+  size_t chosen = 0;  // the middle of a side
+  for (size_t i = 0; i < truth.points.size(); ++i) {
+    const Vec3f middle(-0.2f, 0.0f, 0.5f);
+    if ((truth.points[i] - middle).norm() < (truth.points[chosen] - middle).norm()) chosen = i;
+  }
+  AttainableOptions options;
+  options.lattice_m = 1.0;
+  const auto [sum, most] = ExpectedRays(world, truth.points[chosen], truth.normals[chosen], options);
+  ASSERT_GT(0.8 * sum, 1.5 * most) << "no position alone suffices";
+  const auto attainable = [&](double min_rays) {
+    options.min_rays = min_rays;
+    return ComputeAttainable(world.scene, truth, TestRobot(), core::FindLidarModel("vlp16"), options,
+                             world.Caster(), nullptr)
+        .attainable[chosen];
+  };
+  EXPECT_TRUE(attainable(0.8 * sum));
+  EXPECT_FALSE(attainable(1.25 * sum));
+}
+
 TEST(Attainable, DoesNotDependOnTheNumberOfThreads) {
   const BoxWorld world = SmallWorld();
   const scenes::GroundTruth truth = world.Truth(0.02);

@@ -100,11 +100,21 @@ TEST(Termination, StopsOnlyAfterLowRoundsInARowOnAFlatCurve) {
 TEST(Termination, DoesNotDependOnTheGainsScale) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
-    for (const double u : {50.0, 30.0, 2.0}) t.Observe(scale * u, 0.02);
+    for (const double u : {50.0, 30.0, 2.0}) t.Observe(scale * u, 0.002);
     EXPECT_FALSE(t.Exhausted());
-    t.Observe(scale * 1.0, 0.02);
+    t.Observe(scale * 1.0, 0.002);
     EXPECT_TRUE(t.Exhausted());
   }
+}
+
+TEST(Termination, TheSurfaceMustBeFlatOverTheLowRoundsOnAverage) {
+  Termination t({.stop_ratio = 0.05, .flat_share = 0.015, .stop_rounds = 2, .flat_rounds = 100});
+  t.Observe(100.0, 1.0);
+  t.Observe(1.0, 0.028);
+  t.Observe(1.0, 0.014);
+  EXPECT_FALSE(t.Exhausted()) << "2.1 % a sweep";
+  t.Observe(1.0, 0.015);
+  EXPECT_TRUE(t.Exhausted()) << "1.45 % a sweep";
 }
 
 TEST(Termination, AGainThatNeverFallsIsOverruledByFlatSweeps) {

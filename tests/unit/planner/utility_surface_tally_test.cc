@@ -1,0 +1,80 @@
+// Progress as the planner sees it: only the object's surface, each voxel once.
+#include "planner/utility/surface_tally.h"
+
+#include <gtest/gtest.h>
+
+namespace atlas::planner {
+namespace {
+
+using core::Vec3f;
+
+class LevelGround : public TraversableGround {
+ public:
+  explicit LevelGround(double height_m) : height_m_(height_m) {}
+  double Traversability(const core::Vec2&) const override { return 1.0; }
+  bool FootprintFree(const core::Vec2&, double) const override { return true; }
+  bool CircleFree(const core::Vec2&) const override { return true; }
+  Surface SurfaceAt(const core::Vec2&) const override {
+    Surface surface;
+    surface.height_m = height_m_;
+    return surface;
+  }
+  core::Box3 Window() const override { return {{-9, -9, -9}, {9, 9, 9}}; }
+
+ private:
+  double height_m_;
+};
+
+const core::Box3 kBox{{-1.0, -1.0, 0.0}, {1.0, 1.0, 2.0}};
+
+TEST(SurfaceTally, AVoxelCountsOnceHoweverOftenItComesAndGoes) {
+  SurfaceTally tally(kBox, 0.05);
+  const LevelGround ground(0.0);
+  const std::vector<Vec3f> two = {{0.025f, 0.025f, 1.025f}, {0.075f, 0.025f, 1.025f}};
+  EXPECT_EQ(tally.CountNew(two, ground), 2u);
+  EXPECT_EQ(tally.CountNew({}, ground), 0u);
+  EXPECT_EQ(tally.CountNew(two, ground), 0u);
+  EXPECT_EQ(tally.CountNew({two[1], {0.175f, 0.025f, 1.025f}}, ground), 1u);
+}
+
+TEST(SurfaceTally, ASurfaceThatNoiseThickensIsNotNew) {
+  SurfaceTally tally(kBox, 0.05);
+  const LevelGround ground(0.0);
+  std::vector<Vec3f> wall, thicker;
+  for (int i = 0; i < 20; ++i) {
+    for (int k = 0; k < 20; ++k) {
+      wall.emplace_back(-0.475f + 0.05f * static_cast<float>(i), 0.025f,
+                        0.525f + 0.05f * static_cast<float>(k));
+      thicker.emplace_back(wall.back() + Vec3f(0.0f, 0.05f, 0.0f));
+    }
+  }
+  EXPECT_EQ(tally.CountNew(wall, ground), 400u);
+  EXPECT_EQ(tally.CountNew(thicker, ground), 0u);
+}
+
+TEST(SurfaceTally, GroundAndSurroundingsDoNotCount) {
+  SurfaceTally tally(kBox, 0.05);
+  const std::vector<Vec3f> voxels = {{0.025f, 0.025f, 0.325f},   // on the ground
+                                     {0.025f, 0.025f, 0.425f},   // a low part
+                                     {1.525f, 0.025f, 1.025f},   // beside the box
+                                     {0.025f, 0.025f, 2.075f}};  // above it
+  EXPECT_EQ(tally.CountNew(voxels, LevelGround(0.3)), 1u);
+}
+
+TEST(SurfaceTally, EveryVoxelOfTheBoxHasItsOwnPlace) {
+  SurfaceTally tally(kBox, 0.05);
+  std::vector<Vec3f> all;
+  for (int k = 0; k < 40; ++k) {
+    for (int j = 0; j < 40; ++j) {
+      for (int i = 0; i < 40; ++i) {
+        all.emplace_back(-0.975f + 0.05f * static_cast<float>(i), -0.975f + 0.05f * static_cast<float>(j),
+                         0.025f + 0.05f * static_cast<float>(k));
+      }
+    }
+  }
+  EXPECT_EQ(tally.CountNew(all, LevelGround(-1.0)), 64000u);
+  EXPECT_EQ(tally.CountNew(all, LevelGround(-1.0)), 0u);
+}
+
+}  // namespace
+}  // namespace atlas::planner
