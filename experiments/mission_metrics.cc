@@ -70,6 +70,7 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
   meter_ = std::make_unique<CoverageMeter>(
       truth_, CoverageMeter::Options{.radius_m = config.mission.coverage_radius_m});
   attainable_ = AttainableFor(config, options, scene, robot, truth_);
+  volume_ = ExploredVolumeFor(config, options, scene, robot);
   const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
   recorder_->mutable_summary()->coverage_attainable =
       truth_.points.empty() ? 0.0 : attained / static_cast<double>(truth_.points.size());
@@ -125,6 +126,7 @@ void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
   scored_.coverage = meter_->coverage();
   scored_.of_attainable = ShareOf(meter_->covered(), attainable_);
   scored_.map_bytes = mapper.MapBytes();
+  if (volume_) scored_.explored_m3 = volume_->ExploredM3(mapper.view());
   scored_.seconds += measuring.seconds();
 }
 
@@ -135,6 +137,7 @@ void MissionMetrics::AdoptScore() {
   step_.coverage_raw = score_.coverage_raw;
   step_.coverage = score_.coverage;
   step_.coverage_of_attainable = score_.of_attainable;
+  step_.explored_m3 = score_.explored_m3;
   timing_.map_bytes = score_.map_bytes;
   timing_.metrics_ms = 1e3 * score_.seconds;
 }
@@ -180,6 +183,11 @@ RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const map
   summary.falls = simulator_->safety().falls;
   summary.collisions = simulator_->safety().collisions;
   summary.peak_rss_bytes = PeakRssBytes();
+  if (volume_ && score_.explored_m3) {
+    summary.explored_volume_m3 = score_.explored_m3;
+    summary.explored_volume_attainable_m3 = volume_->attainable_m3();
+    summary.explored_of_attainable = *score_.explored_m3 / std::max(1e-9, volume_->attainable_m3());
+  }
   const RunSummary result =
       recorder_->Finish(status, reason, simulator_->time_s(), distance_m_, wall_.seconds());
   core::PointCloud cloud;

@@ -8,6 +8,7 @@
 
 #include "experiments/closed_loop.h"
 #include "experiments/metrics/coverage.h"
+#include "experiments/metrics/explored_volume.h"
 #include "experiments/metrics/run_recorder.h"
 #include "experiments/stopwatch.h"
 #include "mapping/mapper.h"
@@ -58,12 +59,14 @@ class MissionMetrics {
   scenes::GroundTruth truth_;
   std::vector<uint8_t> attainable_;
   std::unique_ptr<CoverageMeter> meter_;
+  std::unique_ptr<ExploredVolume> volume_;  ///< of scenes to explore
   std::vector<core::Vec3f> surroundings_;
   /// The meter's latest answers.
   struct Score {
     double coverage = 0.0, coverage_raw = 0.0, of_attainable = 0.0;
     double seconds = 0.0;  ///< wall-clock time since the last score
     size_t map_bytes = 0;
+    std::optional<double> explored_m3 = {};
   };
   Score scored_, score_;  ///< as computed, as adopted
   std::unique_ptr<RunRecorder> recorder_;

@@ -277,6 +277,17 @@ Attainable ComputeAttainable(const scenes::SceneSpec& scene, const scenes::Groun
           .rays = search.rays()};
 }
 
+CastRays SceneRays(const scenes::SceneSpec& scene, int threads) {
+  const auto raycaster = std::make_shared<sim::Raycaster>(scene);
+  raycaster->CommitPoses();
+  return [raycaster, threads](std::span<const core::Ray> rays, float max_range_m, uint64_t seed,
+                              std::span<float> range_m) {
+    std::vector<sim::RayHit> hits(rays.size());
+    raycaster->Cast(rays, max_range_m, seed, threads, hits);
+    for (size_t i = 0; i < rays.size(); ++i) range_m[i] = hits[i].range_m;
+  };
+}
+
 Attainable LoadOrComputeAttainable(const scenes::SceneSpec& scene, const scenes::GroundTruth& truth,
                                    const robots::RobotSpec& robot, const core::LidarModel& lidar,
                                    const AttainableOptions& options,
@@ -287,16 +298,8 @@ Attainable LoadOrComputeAttainable(const scenes::SceneSpec& scene, const scenes:
   if (std::optional<Attainable> kept = ReadAttainable(path, key, truth.points.size()))
     return std::move(*kept);
 
-  sim::Raycaster raycaster(scene);
-  raycaster.CommitPoses();
-  std::vector<sim::RayHit> hits;
-  const CastRays cast = [&](std::span<const core::Ray> rays, float max_range_m, uint64_t seed,
-                            std::span<float> range_m) {
-    hits.resize(rays.size());
-    raycaster.Cast(rays, max_range_m, seed, options.threads, hits);
-    for (size_t i = 0; i < rays.size(); ++i) range_m[i] = hits[i].range_m;
-  };
-  Attainable set = ComputeAttainable(scene, truth, robot, lidar, options, cast, progress);
+  Attainable set =
+      ComputeAttainable(scene, truth, robot, lidar, options, SceneRays(scene, options.threads), progress);
   try {
     WriteAttainable(path, key, set);
   } catch (const core::InputError&) {

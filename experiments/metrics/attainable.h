@@ -79,6 +79,9 @@ Attainable LoadOrComputeAttainable(const scenes::SceneSpec& scene, const scenes:
                                    const std::filesystem::path& cache_folder,
                                    const AttainableProgress& progress);
 
+/// Rays against the scene's own geometry, nothing of the robot's.
+CastRays SceneRays(const scenes::SceneSpec& scene, int threads);
+
 /// The attainable set of a run, from core::CacheDirectory() where it lies there; reports through
 /// options.progress.
 std::vector<uint8_t> AttainableFor(const ExperimentConfig& config, const RunOptions& options,

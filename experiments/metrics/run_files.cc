@@ -19,7 +19,7 @@ constexpr std::string_view kStepsHeader =
     "points,"
     "new_surface_voxels,outcome,candidates,nodes,rays,gain,utility,utility_ratio,path_length_m,falls,"
     "collisions,"
-    "shank_brushes,footholds,footholds_off_solid,worst_foot_drop_m\n";
+    "shank_brushes,footholds,footholds_off_solid,worst_foot_drop_m,explored_m3\n";
 
 std::vector<std::string> SplitLine(const std::string& line) {
   std::vector<std::string> cells;
@@ -85,13 +85,14 @@ std::string StepsCsv(const std::vector<StepRow>& steps) {
     const core::Vec3& p = s.T_map_base.translation();
     const std::string share =
         s.coverage_of_attainable ? fmt::format("{:.6f}", *s.coverage_of_attainable) : std::string();
+    const std::string explored = s.explored_m3 ? fmt::format("{:.3f}", *s.explored_m3) : std::string();
     csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{},{},{},{},{},{},{},",
                        s.scan, s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(),
                        core::YawOf(s.T_map_base.linear()), s.coverage_raw, s.coverage, share, s.cloud_points,
                        s.new_surface_voxels, s.outcome, s.candidates, s.nodes, s.rays);
-    csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{:.4f}\n", s.gain, s.utility,
+    csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{:.4f},{}\n", s.gain, s.utility,
                        s.utility_ratio, s.path_length_m, s.falls, s.collisions, s.shank_brushes, s.footholds,
-                       s.footholds_off_solid, s.worst_foot_drop_m);
+                       s.footholds_off_solid, s.worst_foot_drop_m, explored);
   }
   return csv;
 }

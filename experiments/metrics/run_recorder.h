@@ -38,6 +38,7 @@ struct StepRow {
   int falls = 0, collisions = 0, shank_brushes = 0;  ///< so far
   int footholds = 0, footholds_off_solid = 0;        ///< so far
   double worst_foot_drop_m = 0.0;                    ///< so far
+  std::optional<double> explored_m3;                 ///< known attainable volume, of scenes to explore
 };
 
 /// Wall-clock times of one scan.

@@ -44,7 +44,8 @@ int ExitCodeOf(RunStatus status);
   X(nbv_time_s_mean) X(nbv_time_s_p95) X(integration_ms_mean) X(integration_ms_p95)                        \
   X(map_bytes) X(peak_rss_bytes) X(submaps) X(falls) X(collisions)                                         \
   X(cloud_error_m_mean) X(cloud_error_m_p95) X(map_error_m_mean) X(map_completeness)                       \
-  X(ate_m) X(ate_odometry_m) X(t50_s) X(t90_s) X(t95_s)
+  X(ate_m) X(ate_odometry_m) X(t50_s) X(t90_s) X(t95_s)                                                    \
+  X(explored_volume_m3) X(explored_volume_attainable_m3) X(explored_of_attainable)
 // clang-format on
 
 /// SI units; shares in [0, 1]. t50_s, t90_s, t95_s: simulated time at which coverage_of_attainable reached

@@ -99,6 +99,20 @@ std::vector<std::string> ThesisCells(const ThesisRow& row) {
           ""};
 }
 
+/// Explored volume, a line a group that has one.
+std::string VolumeLines(const std::vector<RunGroup>& groups) {
+  std::string lines;
+  for (const RunGroup& g : groups) {
+    const SampleStatistics explored = g.Over(&RunSummary::explored_volume_m3);
+    if (explored.count == 0) continue;
+    lines += fmt::format("{}: explored {} m3 of {} m3 attainable ({} %)\n", g.experiment,
+                         MeanAndSpread(explored, 1.0, 1),
+                         MeanOf(g.Over(&RunSummary::explored_volume_attainable_m3), 1.0, 1),
+                         MeanAndSpread(g.Over(&RunSummary::explored_of_attainable), 100.0, 2));
+  }
+  return lines;
+}
+
 TextTable EmptyGroupTable() {
   TextTable table;
   table.heading = {"object",     "gain", "planner", "c_p %",   "attainable %", "of attainable %",
@@ -197,7 +211,7 @@ TextTable StatisticsTable(const std::vector<RunGroup>& groups) {
 }
 
 std::string CoverageTable(const std::vector<RunGroup>& groups) {
-  return ToTerminal(GroupTable(groups, true)) +
+  return ToTerminal(GroupTable(groups, true)) + VolumeLines(groups) +
          "c_p: coverage, thesis Eq. 3.9 (aligned); attainable: its ceiling from all reachable poses; d_t: "
          "distance;\n"
          "n_s: scans; t_all: simulated time; t_nbv: wall time a decision; RTF: simulated over wall time.\n";

@@ -18,7 +18,8 @@ constexpr double kSpacing = 0.5;
 CandidateTree RandomTree(const Vec2& corner, int side, core::Rng* rng) {
   CandidateTree tree;
   std::vector<std::pair<int, int>> cells = {{side / 2, side / 2}};
-  tree.nodes.push_back({corner + kSpacing * Vec2(side / 2, side / 2), -1, 0.0, 0.0});
+  const Vec2 middle = corner + kSpacing * Vec2(side / 2, side / 2);
+  tree.nodes.push_back({middle, -1, 0.0, 0.1 * middle.x()});
   for (int attempt = 0; attempt < 20 * side * side; ++attempt) {
     const int parent = rng->UniformInt(static_cast<int>(cells.size()));
     std::pair<int, int> cell = cells[static_cast<size_t>(parent)];
