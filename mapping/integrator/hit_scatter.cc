@@ -96,11 +96,24 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
   }
 }
 
+bool HitScatter::MayReachKept(const float* p) const {
+  constexpr float kReach = std::max(kStepsInFront, kStepsBehind) + 1;
+  const int32_t low[3] = {keep_min_.x, keep_min_.y, keep_min_.z};
+  const int32_t high[3] = {keep_max_.x, keep_max_.y, keep_max_.z};
+  bool reaches = true;
+  for (int a = 0; a < 3; ++a) {
+    reaches =
+        reaches && p[a] > static_cast<float>(low[a]) - kReach && p[a] < static_cast<float>(high[a]) + kReach;
+  }
+  return reaches;
+}
+
 void HitScatter::ScatterHit(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
                             size_t i) {
   const float inverse = 1.0f / frame.resolution_m;
   const float range = image.range[i] * inverse, per_range = 1.0f / range;
   const float p[3] = {frame.sensor[0] + wx_[i], frame.sensor[1] + wy_[i], frame.sensor[2] + wz_[i]};
+  if (!MayReachKept(p)) return;
   const float along[3] = {wx_[i] * per_range, wy_[i] * per_range, wz_[i] * per_range};
   const float back[3] = {-along[0], -along[1], -along[2]};
   float n[3];  // unit, into the surface, along the map's axes

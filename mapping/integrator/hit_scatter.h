@@ -41,6 +41,8 @@ class HitScatter {
   };
   void ScatterHit(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model, size_t cell);
   HitBlock* BlockAt(const NodeKey& voxel);
+  /// Whether a hit at `p` (window voxels) may touch a voxel that is kept.
+  bool MayReachKept(const float* p) const;
   void Raise(const NodeKey& voxel, int delta);
 
   std::vector<float> wx_, wy_, wz_;  ///< ends of the hits from the sensor, voxels along the map's axes
