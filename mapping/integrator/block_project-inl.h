@@ -6,6 +6,8 @@
 #define ATLAS_MAPPING_INTEGRATOR_BLOCK_PROJECT_INL_H_
 #endif
 
+#include <cmath>
+
 #include "mapping/integrator/fill_kernels.h"
 #include "mapping/integrator/project-inl.h"
 
@@ -63,48 +65,45 @@ struct FarProjector {
   }
 };
 
-/// Offsets of the 16 cells of a group from its first, and the steps from group to group.
+/// Groups of 16 cells of a block in a frame turned about the LiDAR's z.
 struct Lattice {
-  float lane[3][kGroup];
+  alignas(64) float lane[3][kGroup];  ///< offsets from a group's first cell
   float first[3];
-  float step_y[3], step_z[3];  ///< groups_y a layer, `layers` layers
-  int groups_y, layers;
-  float turn[2];  ///< of the frame about z (cosine, sine)
+  float step_y[3], step_z[3];  ///< from group to group of a layer, and from layer to layer
+  float turn[2];               ///< cosine, sine
 };
 
-/// `turn` rotates about the LiDAR's z (cosine, sine).
-HWY_INLINE Lattice LatticeOf(const ScanFrame& frame, const NodeKey& corner, int scale, const float turn[2]) {
+HWY_INLINE void Turn(const float turn[2], const float v[3], float out[3]) {
+  out[0] = v[0] * turn[0] + v[1] * turn[1];
+  out[1] = v[1] * turn[0] - v[0] * turn[1];
+  out[2] = v[2];
+}
+
+/// @param corner  of the first cell, `scale` voxels wide.
+HWY_INLINE Lattice LatticeOf(const ScanFrame& frame, const ScanFrame::Lanes& lanes, const NodeKey& corner,
+                             int scale, const float turn[2]) {
+  const DF d;
   Lattice lattice;
   lattice.turn[0] = turn[0];
   lattice.turn[1] = turn[1];
-  const auto turned = [&](const float v[3], float out[3]) {
-    out[0] = v[0] * turn[0] + v[1] * turn[1];
-    out[1] = v[1] * turn[0] - v[0] * turn[1];
-    out[2] = v[2];
-  };
-  float axis[3][3];
-  for (int a = 0; a < 3; ++a) turned(frame.axis[a], axis[a]);
   const float middle = 0.5f * static_cast<float>(scale);
   float first[3];
   frame.ToLidar(static_cast<float>(corner.x) + middle, static_cast<float>(corner.y) + middle,
                 static_cast<float>(corner.z) + middle, first);
-  turned(first, lattice.first);
-  // Cells along x, y, z of a group: 8 x 2 x 1, 4 x 4 x 1 or 2 x 2 x 2 (twice over).
-  const int along_x = 8 / scale, along_y = scale == 1 ? 2 : scale == 2 ? 4 : 2;
-  for (int i = 0; i < 16; ++i) {
-    const int x = i % along_x, y = i / along_x % along_y, z = scale == 4 ? i / 4 % 2 : 0;
-    for (int c = 0; c < 3; ++c) {
-      lattice.lane[c][i] = static_cast<float>(scale * x) * axis[0][c] +
-                           static_cast<float>(scale * y) * axis[1][c] +
-                           static_cast<float>(scale * z) * axis[2][c];
-    }
-  }
+  Turn(turn, first, lattice.first);
+  Turn(turn, frame.axis[1], lattice.step_y);
+  Turn(turn, frame.axis[2], lattice.step_z);
   for (int c = 0; c < 3; ++c) {
-    lattice.step_y[c] = 2.0f * axis[1][c];
-    lattice.step_z[c] = static_cast<float>(scale) * axis[2][c];
+    lattice.step_y[c] *= 2.0f;
+    lattice.step_z[c] *= static_cast<float>(scale);
   }
-  lattice.groups_y = scale == 1 ? 4 : 1;
-  lattice.layers = scale == 1 ? 8 : scale == 2 ? 4 : 1;
+  const VF cosine = hn::Set(d, turn[0]), sine = hn::Set(d, turn[1]);
+  for (size_t i = 0; i < kGroup; i += hn::Lanes(d)) {
+    const VF x = hn::Load(d, lanes.offset[0] + i), y = hn::Load(d, lanes.offset[1] + i);
+    hn::Store(hn::Add(hn::Mul(x, cosine), hn::Mul(y, sine)), d, lattice.lane[0] + i);
+    hn::Store(hn::Sub(hn::Mul(y, cosine), hn::Mul(x, sine)), d, lattice.lane[1] + i);
+    hn::Store(hn::Load(d, lanes.offset[2] + i), d, lattice.lane[2] + i);
+  }
   return lattice;
 }
 
@@ -125,33 +124,37 @@ HWY_INLINE void FillPieces(const BeamGrid& grid, float sine_low, float sine_high
   }
 }
 
-/// Calls test(lattice, projector) with the projector that suits the block's place.
-template <typename Test>
-HWY_INLINE void WithProjector(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
-                              int scale, const Test& test) {
-  const BeamGrid& grid = *image.grid;
-  float center[3];
-  frame.ToLidar(static_cast<float>(corner.x + 4), static_cast<float>(corner.y + 4),
-                static_cast<float>(corner.z + 4), center);
-  const float flat2 = center[0] * center[0] + center[1] * center[1];
-  const float distance = std::sqrt(flat2 + center[2] * center[2]);
+/// Where a block (or part of one) lies: its middle, and how to turn and project what is in it.
+struct Place {
+  float distance, flat, turn[2], center[3];
+  bool near;  ///< too near to the axis for the short polynomials
+};
+HWY_INLINE Place PlaceOf(const ScanFrame& frame, const NodeKey& corner, int side) {
+  Place place;
+  const float middle = 0.5f * static_cast<float>(side);
+  frame.ToLidar(static_cast<float>(corner.x) + middle, static_cast<float>(corner.y) + middle,
+                static_cast<float>(corner.z) + middle, place.center);
+  const float flat2 = place.center[0] * place.center[0] + place.center[1] * place.center[1];
+  place.distance = std::sqrt(flat2 + place.center[2] * place.center[2]);
+  place.flat = std::sqrt(flat2);
   const float radius = kBlockRadius * frame.resolution_m;
-  if (flat2 < kFarRadii2 * radius * radius) {
-    const float still[2] = {1.0f, 0.0f};
-    test(LatticeOf(frame, corner, scale, still), NearProjector{grid}, distance);
-    return;
-  }
-  const float flat = std::sqrt(flat2);
-  const float turn[2] = {center[0] / flat, center[1] / flat};
-  const float sa = radius / distance, ca = std::sqrt(1.0f - sa * sa);
-  const float se = center[2] / distance, ce = flat / distance;
+  place.near = flat2 < kFarRadii2 * radius * radius;
+  place.turn[0] = place.near ? 1.0f : place.center[0] / place.flat;
+  place.turn[1] = place.near ? 0.0f : place.center[1] / place.flat;
+  return place;
+}
+
+/// @param radius  of the sphere around the place that holds everything projected.
+HWY_INLINE void SetProjector(const BeamGrid& grid, const Place& place, float radius,
+                             FarProjector* projector) {
   const DF d;
-  FarProjector projector;
-  projector.columns_per_rad = static_cast<float>(1.0 / grid.column_pitch_rad);
-  projector.columns = static_cast<float>(grid.columns);
-  projector.u_center = hn::GetLane(ColumnOf(d, grid, hn::Set(d, center[0]), hn::Set(d, center[1])));
-  FillPieces(grid, se * ca - ce * sa, se * ca + ce * sa, &projector);
-  test(LatticeOf(frame, corner, scale, turn), projector, distance);
+  const float sa = radius / place.distance, ca = std::sqrt(1.0f - sa * sa);
+  const float se = place.center[2] / place.distance, ce = place.flat / place.distance;
+  projector->columns_per_rad = static_cast<float>(1.0 / grid.column_pitch_rad);
+  projector->columns = static_cast<float>(grid.columns);
+  projector->u_center =
+      hn::GetLane(ColumnOf(d, grid, hn::Set(d, place.center[0]), hn::Set(d, place.center[1])));
+  FillPieces(grid, se * ca - ce * sa, se * ca + ce * sa, projector);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -16,89 +16,14 @@ constexpr float kWindowShare = 0.75f;   ///< of a cell's width that the veto win
 /// The images that a block is tested against.
 struct CellImages {
   const float *own, *around;
-  int pitch, columns;
-  int row_offset;      ///< from a cell's upper row to the stored row of its window
+  float pitch;
+  int columns;
+  float row_offset;    ///< from the row above a cell to the stored row of its window
   int columns_before;  ///< of the window, left of the cell's left column
   float rows_end;      ///< rows - 0.5
   float pierce2;       ///< squared distance, metres
   const ScanImage* image;
 };
-
-/// Whether the nearest beam itself passes through the cell.
-HWY_INLINE MF Pierced(DF d, const CellImages& images, const GridPoint& p, VF x, VF y, VI row, VI column) {
-  const DI di;
-  const ScanImage& image = *images.image;
-  const VI turn = hn::Set(di, images.columns);
-  const VI wrapped = hn::IfThenElse(hn::Lt(column, turn), column, hn::Sub(column, turn));
-  const VI cell = hn::Add(hn::Mul(row, turn), wrapped);
-  const VF du = hn::GatherIndex(d, image.du.data(), cell), dv = hn::GatherIndex(d, image.dv.data(), cell);
-  const VF row_pitch = hn::GatherIndex(d, image.grid->row_pitch_rad.data(), row);
-  const VF flat = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
-  const VF pitch = hn::Set(d, static_cast<float>(image.grid->column_pitch_rad));
-  const VF eu = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.u, hn::ConvertTo(d, column)), du), pitch), flat);
-  const VF ev = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.v, hn::ConvertTo(d, row)), dv), row_pitch), p.distance);
-  return hn::Lt(hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev)), hn::Set(d, images.pierce2));
-}
-
-/// Bits of the free cells among Lanes(d); sets *pierced where the last rule decided.
-HWY_INLINE uint32_t TestVector(DF d, const CellImages& images, const GridPoint& p, VF x, VF y,
-                               bool* pierced) {
-  const DI di;
-  const VF half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f);
-  MF in = hn::And(hn::Ge(p.v, hn::Neg(half)), hn::Lt(p.v, hn::Set(d, images.rows_end)));
-  if (hn::AllFalse(d, in)) return 0;
-  const VF v = hn::IfThenElseZero(in, p.v);
-  const VI pitch = hn::Set(di, images.pitch);
-  const VI row = FloorPositive(di, hn::Add(v, half)), column = FloorPositive(di, hn::Add(p.u, half));
-  const VF own = hn::GatherIndex(d, images.own, hn::Add(hn::Mul(row, pitch), column));
-  in = hn::And(in, hn::Lt(p.distance, own));
-  if (hn::AllFalse(d, in)) return 0;
-
-  const VI upper = hn::Add(FloorPositive(di, hn::Add(v, one)), hn::Set(di, images.row_offset - 1));
-  VI left = hn::Sub(FloorPositive(di, p.u), hn::Set(di, images.columns_before));
-  left = hn::IfThenElse(hn::Lt(left, hn::Zero(di)), hn::Add(left, hn::Set(di, images.columns)), left);
-  const VF around = hn::GatherIndex(d, images.around, hn::Add(hn::Mul(upper, pitch), left));
-  const MF clear = hn::Lt(p.distance, around);
-  const MF doubtful = hn::AndNot(clear, in);
-  if (hn::AllFalse(d, doubtful)) return BitsOf(d, in);
-  const MF through = hn::And(doubtful, Pierced(d, images, p, x, y, row, column));
-  if (!hn::AllFalse(d, through)) *pierced = true;
-  return BitsOf(d, hn::Or(hn::And(in, clear), through));
-}
-
-template <typename Projector>
-HWY_INLINE bool TestLattice(const CellImages& images, const Lattice& lattice, const Projector& projector,
-                            uint64_t* out, bool by_layer) {
-  const DF d;
-  const size_t lanes = hn::Lanes(d);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
-  bool pierced = false;
-  for (int z = 0; z < lattice.layers; ++z) {
-    uint64_t layer = 0;
-    for (int j = 0; j < lattice.groups_y; ++j) {
-      float at[3];
-      for (int c = 0; c < 3; ++c) {
-        at[c] = lattice.first[c] + static_cast<float>(j) * lattice.step_y[c] +
-                static_cast<float>(z) * lattice.step_z[c];
-      }
-      uint64_t bits = 0;
-      for (size_t i = 0; i < kGroup; i += lanes) {
-        const VF x = hn::Add(hn::Set(d, at[0]), hn::LoadU(d, lattice.lane[0] + i));
-        const VF y = hn::Add(hn::Set(d, at[1]), hn::LoadU(d, lattice.lane[1] + i));
-        const VF zz = hn::Add(hn::Set(d, at[2]), hn::LoadU(d, lattice.lane[2] + i));
-        const GridPoint p = projector.Project(d, x, y, zz);
-        bits |= static_cast<uint64_t>(TestVector(d, images, p, x, y, &pierced) & lane_bits) << i;
-      }
-      layer |= bits << (16 * j);
-    }
-    if (by_layer) {
-      out[z] = layer;
-    } else {
-      out[0] |= layer << (16 * z);
-    }
-  }
-  return pierced;
-}
 
 HWY_INLINE CellImages ImagesFor(const ScanImage& image, const ScanFrame& frame, float distance, int scale) {
   const size_t s = scale == 1 ? 0 : scale == 2 ? 1 : 2;
@@ -113,9 +38,9 @@ HWY_INLINE CellImages ImagesFor(const ScanImage& image, const ScanFrame& frame, 
   images.image = &image;
   images.own = image.own[s].data();
   images.around = level == 1 ? image.surround[s].data() : image.window[level].data();
-  images.pitch = image.pitch;
+  images.pitch = static_cast<float>(image.pitch);
   images.columns = image.columns;
-  images.row_offset = image.window_rows[level] / 2;
+  images.row_offset = static_cast<float>(image.window_rows[level] / 2 - 1);
   images.columns_before = image.window_columns[level] / 2 - 1;
   images.rows_end = static_cast<float>(image.rows) - 0.5f;
   const float radius = kPierceRadius * static_cast<float>(scale) * frame.resolution_m;
@@ -123,16 +48,153 @@ HWY_INLINE CellImages ImagesFor(const ScanImage& image, const ScanFrame& frame, 
   return images;
 }
 
-bool TestBlockCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale,
-                    FreeCells* out) {
-  out->voxels.fill(0);
-  bool pierced = false;
-  WithProjector(image, frame, corner, scale,
-                [&](const Lattice& lattice, const auto& projector, float distance) HWY_ATTR {
-                  const CellImages images = ImagesFor(image, frame, distance, scale);
-                  pierced = TestLattice(images, lattice, projector, out->voxels.data(), scale == 1);
-                });
-  return pierced;
+/// Up to four groups of cells in grid coordinates, and which of them lie in front of their own beams.
+struct Projected {
+  alignas(64) float u[4 * kGroup], v[4 * kGroup], distance[4 * kGroup];
+};
+
+/// Bits of Lanes(d) cells whose nearest beam returned behind them.
+HWY_INLINE uint32_t TestOwn(DF d, const CellImages& images, const GridPoint& p) {
+  const DI di;
+  const VF half = hn::Set(d, 0.5f);
+  const MF in = hn::And(hn::Ge(p.v, hn::Neg(half)), hn::Lt(p.v, hn::Set(d, images.rows_end)));
+  const VF row = hn::Floor(hn::Add(hn::IfThenElseZero(in, p.v), half));
+  const VF column = hn::Floor(hn::Add(p.u, half));
+  // Exact: tables have fewer than 2^24 cells.
+  const VI index = hn::ConvertTo(di, hn::Add(hn::Mul(row, hn::Set(d, images.pitch)), column));
+  const VF own = hn::GatherIndex(d, images.own, index);
+  return BitsOf(d, hn::And(in, hn::Lt(p.distance, own)));
+}
+
+struct Verdict {
+  uint32_t clear, pierced;
+};
+
+/// Of Lanes(d) cells that passed TestOwn: those without a beam in front around them, and of the others those
+/// that their nearest beam passes through.
+HWY_INLINE Verdict TestAround(DF d, const CellImages& images, const GridPoint& p, uint32_t in) {
+  const DI di;
+  const ScanImage& image = *images.image;
+  const VF half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f);
+  const VF v = hn::Max(p.v, hn::Neg(half));
+  const VF upper = hn::Add(hn::Floor(hn::Add(v, one)), hn::Set(d, images.row_offset));
+  VF left = hn::Sub(hn::Floor(p.u), hn::Set(d, static_cast<float>(images.columns_before)));
+  const VF columns = hn::Set(d, static_cast<float>(images.columns));
+  left = hn::IfThenElse(hn::Lt(left, hn::Zero(d)), hn::Add(left, columns), left);
+  const VF last = hn::Set(d, images.rows_end + images.row_offset + 0.5f);
+  const VI window = hn::ConvertTo(di, hn::Add(hn::Mul(hn::Min(upper, last), hn::Set(d, images.pitch)), left));
+  const VF around = hn::GatherIndex(d, images.around, window);
+  const uint32_t clear = BitsOf(d, hn::Lt(p.distance, around)) & in;
+  if (clear == in) return {clear, 0};
+
+  const VF row = hn::Min(hn::Floor(hn::Add(v, half)), hn::Set(d, images.rows_end - 0.5f));
+  const VF column = hn::Floor(hn::Add(p.u, half));
+  const VF wrapped = hn::IfThenElse(hn::Lt(column, columns), column, hn::Sub(column, columns));
+  const VI row_index = hn::ConvertTo(di, row);
+  const VI cell = hn::ConvertTo(di, hn::Add(hn::Mul(row, columns), wrapped));
+  const VF du = hn::GatherIndex(d, image.du.data(), cell), dv = hn::GatherIndex(d, image.dv.data(), cell);
+  const VF row_pitch = hn::GatherIndex(d, image.grid->row_pitch_rad.data(), row_index);
+  const VF cosine = hn::GatherIndex(d, image.grid->cos_elevation.data(), row_index);
+  const VF pitch = hn::Mul(hn::Set(d, static_cast<float>(image.grid->column_pitch_rad)), cosine);
+  const VF eu = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.u, column), du), pitch), p.distance);
+  const VF ev = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.v, row), dv), row_pitch), p.distance);
+  const MF through = hn::Lt(hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev)), hn::Set(d, images.pierce2));
+  return {clear, BitsOf(d, through) & in & ~clear};
+}
+
+struct GroupBits {
+  uint64_t clear, pierced;
+};
+
+/// `groups` (at most 4) groups of 16 cells, from `first` by `step`. Projects them all before it looks around,
+/// so that their latencies overlap.
+template <typename Projector>
+HWY_INLINE GroupBits TestGroups(const CellImages& images, const Lattice& lattice, const Projector& projector,
+                                const float first[3], const float step[3], int groups) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d);
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
+  Projected at;
+  uint64_t in = 0;
+  for (int j = 0; j < groups; ++j) {
+    float base[3];
+    for (int c = 0; c < 3; ++c) base[c] = first[c] + static_cast<float>(j) * step[c];
+    for (size_t i = 0; i < kGroup; i += lanes) {
+      const size_t slot = static_cast<size_t>(j) * kGroup + i;
+      const VF x = hn::Add(hn::Set(d, base[0]), hn::Load(d, lattice.lane[0] + i));
+      const VF y = hn::Add(hn::Set(d, base[1]), hn::Load(d, lattice.lane[1] + i));
+      const VF z = hn::Add(hn::Set(d, base[2]), hn::Load(d, lattice.lane[2] + i));
+      const GridPoint p = projector.Project(d, x, y, z);
+      hn::Store(p.u, d, at.u + slot);
+      hn::Store(p.v, d, at.v + slot);
+      hn::Store(p.distance, d, at.distance + slot);
+      in |= static_cast<uint64_t>(TestOwn(d, images, p) & lane_bits) << slot;
+    }
+  }
+  GroupBits out{0, 0};
+  for (size_t slot = 0; slot < static_cast<size_t>(groups) * kGroup; slot += lanes) {
+    const uint32_t bits = static_cast<uint32_t>(in >> slot) & lane_bits;
+    if (bits == 0) continue;
+    const GridPoint p{hn::Load(d, at.u + slot), hn::Load(d, at.v + slot), hn::Load(d, at.distance + slot)};
+    const Verdict verdict = TestAround(d, images, p, bits);
+    out.clear |= static_cast<uint64_t>(verdict.clear) << slot;
+    out.pierced |= static_cast<uint64_t>(verdict.pierced) << slot;
+  }
+  return out;
+}
+
+template <typename Projector>
+HWY_INLINE void TestLayers(const CellImages& images, const Lattice& lattice, const Projector& projector,
+                           VoxelBits* free) {
+  for (int z = 0; z < 8; ++z) {
+    float first[3];
+    for (int c = 0; c < 3; ++c) first[c] = lattice.first[c] + static_cast<float>(z) * lattice.step_z[c];
+    const GroupBits bits = TestGroups(images, lattice, projector, first, lattice.step_y, 4);
+    free->layer[static_cast<size_t>(z)] = bits.clear | bits.pierced;
+  }
+}
+
+void TestBlockVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, VoxelBits* free) {
+  const Place place = PlaceOf(frame, corner, kBlockSide);
+  const CellImages images = ImagesFor(image, frame, place.distance, 1);
+  const Lattice lattice = LatticeOf(frame, frame.lanes_1, corner, 1, place.turn);
+  if (place.near) {
+    TestLayers(images, lattice, NearProjector{*image.grid}, free);
+  } else {
+    FarProjector projector;
+    SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
+    TestLayers(images, lattice, projector, free);
+  }
+}
+
+/// 4 groups of an octant's voxels, or of a block's cells of 2^3; one of cells of 4^3.
+HWY_INLINE GroupBits TestPart(const ScanImage& image, const ScanFrame& frame, const ScanFrame::Lanes& lanes,
+                              const NodeKey& corner, int side, int scale) {
+  const Place place = PlaceOf(frame, corner, side);
+  const CellImages images = ImagesFor(image, frame, place.distance, scale);
+  const Lattice lattice = LatticeOf(frame, lanes, corner, scale, place.turn);
+  if (place.near || scale == 4) {
+    const float still[2] = {1.0f, 0.0f};
+    const Lattice unturned = LatticeOf(frame, lanes, corner, scale, still);
+    return TestGroups(images, unturned, NearProjector{*image.grid}, unturned.first, unturned.step_z,
+                      scale == 4 ? 1 : 4);
+  }
+  FarProjector projector;
+  SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
+  return TestGroups(images, lattice, projector, lattice.first, lattice.step_z, 4);
+}
+
+uint64_t TestOctantVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner) {
+  const GroupBits bits = TestPart(image, frame, frame.lanes_1_octant, corner, 4, 1);
+  return bits.clear | bits.pierced;
+}
+
+CoarseVerdict TestBlockCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                             int scale) {
+  const GroupBits bits =
+      TestPart(image, frame, scale == 4 ? frame.lanes_4 : frame.lanes_2, corner, kBlockSide, scale);
+  const uint64_t cells = scale == 4 ? 0xff : ~uint64_t{0};
+  return {bits.clear & cells, bits.pierced & cells};
 }
 
 }  // namespace HWY_NAMESPACE
@@ -142,12 +204,38 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace atlas::mapping {
 namespace {
+HWY_EXPORT(TestBlockVoxels);
+HWY_EXPORT(TestOctantVoxels);
 HWY_EXPORT(TestBlockCells);
 }  // namespace
 
-bool TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale,
-               FreeCells* out) {
-  return HWY_DYNAMIC_DISPATCH(TestBlockCells)(image, frame, corner, scale, out);
+void ScanFrame::SetLanes() {
+  const auto set = [this](int scale, int along_x, int along_y, Lanes* lanes) {
+    for (int i = 0; i < 16; ++i) {
+      const int cell[3] = {i % along_x, i / along_x % along_y, scale == 4 ? i / (along_x * along_y) % 2 : 0};
+      for (int c = 0; c < 3; ++c) {
+        float sum = 0.0f;
+        for (int a = 0; a < 3; ++a) sum += static_cast<float>(scale * cell[a]) * axis[a][c];
+        lanes->offset[c][i] = sum;
+      }
+    }
+  };
+  set(1, 8, 2, &lanes_1);
+  set(1, 4, 4, &lanes_1_octant);
+  set(2, 4, 4, &lanes_2);
+  set(4, 2, 2, &lanes_4);
+}
+
+void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, VoxelBits* free) {
+  HWY_DYNAMIC_DISPATCH(TestBlockVoxels)(image, frame, corner, free);
+}
+
+uint64_t TestOctant(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner) {
+  return HWY_DYNAMIC_DISPATCH(TestOctantVoxels)(image, frame, corner);
+}
+
+CoarseVerdict TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale) {
+  return HWY_DYNAMIC_DISPATCH(TestBlockCells)(image, frame, corner, scale);
 }
 
 }  // namespace atlas::mapping

@@ -13,30 +13,40 @@ uint32_t KeptAlong(int corner, int min, int max) {
 }
 
 /// Bits of the 2^3 cells as bits of voxels.
-FreeCells ToVoxels(uint64_t cells) {
-  FreeCells out;
+VoxelBits ToVoxels(uint64_t cells) {
+  VoxelBits out;
   for (int i = 0; i < 4; ++i) {
-    uint64_t layer = 0;
-    for (int y = 0; y < 4; ++y) {
-      for (int x = 0; x < 4; ++x) {
-        layer |= (cells >> (16 * i + 4 * y + x) & 1) * (uint64_t{0x0303} << (2 * x + 16 * y));
-      }
-    }
-    out.voxels[static_cast<size_t>(2 * i)] = out.voxels[static_cast<size_t>(2 * i + 1)] = layer;
+    uint64_t layer = cells >> (16 * i) & 0xffff;  // bit x + 4 y to bit 2 x + 16 y
+    layer = (layer | layer << 24) & 0x000000ff000000ff;
+    layer = (layer | layer << 12) & 0x000f000f000f000f;
+    layer = (layer | layer << 2) & 0x0033003300330033;
+    layer = (layer | layer << 1) & 0x0055005500550055;
+    layer |= layer << 1;
+    layer |= layer << 8;
+    out.layer[static_cast<size_t>(2 * i)] = out.layer[static_cast<size_t>(2 * i + 1)] = layer;
   }
   return out;
 }
 
 /// Bits of 8 cells of 4^3 as bits of 64 cells of 2^3.
-uint64_t ToCoarse(uint64_t octants) {
+uint64_t ToCells(uint64_t octants) {
   uint64_t out = 0;
-  for (int octant = 0; octant < 8; ++octant) {
-    if (octants >> octant & 1) {
-      const int x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
-      out |= uint64_t{0x330033} << (2 * x + 8 * y + 32 * z);
-    }
+  for (uint64_t bits = octants; bits != 0; bits &= bits - 1) {
+    const int octant = __builtin_ctzll(bits);
+    out |= uint64_t{0x330033} << (2 * (octant & 1) + 8 * (octant >> 1 & 1) + 32 * (octant >> 2));
   }
   return out;
+}
+
+/// Sets the 4^3 voxels of an octant among `free` from their bits, x fastest.
+void SetOctant(int octant, uint64_t voxels, VoxelBits* free) {
+  const int shift = 4 * (octant & 1) + 32 * (octant >> 1 & 1);
+  for (int z = 0; z < 4; ++z) {
+    uint64_t layer = voxels >> (16 * z) & 0xffff;  // bit x + 4 y to bit x + 8 y
+    layer = (layer | layer << 8) & 0x00ff00ff;
+    layer = (layer | layer << 4) & 0x0f0f0f0f;
+    free->layer[static_cast<size_t>(4 * (octant >> 2) + z)] |= layer << shift;
+  }
 }
 
 /// Evidence on surfaces in one block: Eq. 4.2's updates, scattered beforehand.
@@ -131,11 +141,11 @@ class Filler {
   void CutBlocks() {
     for (int block = 0; block < kChunkBlocks; ++block) {
       if (Inside(block)) continue;
-      FreeCells all;
-      all.voxels.fill(~uint64_t{0});
+      VoxelBits all;
+      all.layer.fill(~uint64_t{0});
       Keep(block, &all);
       uint64_t any = 0;
-      for (const uint64_t layer : all.voxels) any |= layer;
+      for (const uint64_t layer : all.layer) any |= layer;
       const bool reached = work_.mixed.Test(block) || work_.full.Test(block);
       work_.full.Clear(block);
       work_.mixed.Clear(block);
@@ -161,45 +171,79 @@ class Filler {
         Field::Free(chunk_->uniform.Get(block))) {
       return;  // free as a whole already: a partial miss adds nothing
     }
-    FreeCells cells{};
-    int scale = 1;
-    if (work_.mixed.Test(block)) {
-      scale = !inside || HoldsSurface(block) ? 1 : cone;
-      if (TestCells(*context_.image, *context_.frame, CornerOf(block), scale, &cells) && scale > 1) {
-        scale = 1;  // neighbours veto part of the cone: decide voxel by voxel
-        TestCells(*context_.image, *context_.frame, CornerOf(block), scale, &cells);
-      }
-    }
+    const bool mixed = work_.mixed.Test(block);
+    const bool by_voxel = !inside || cone == 1 || HoldsSurface(block);
+    if (mixed && !by_voxel && evidence == nullptr && FillCoarse(block, cone)) return;
+    VoxelBits free{};
+    if (mixed) free = by_voxel ? FreeVoxels(block) : FreeVoxelsByCells(block, cone);
     if (!inside) {
-      Keep(block, &cells);
+      Keep(block, &free);
       if (evidence != nullptr) evidence = Keep(block, evidence);
     }
-    Apply(block, scale, cells, evidence);
+    Apply(block, free, evidence);
   }
 
-  void Apply(int block, int scale, FreeCells cells, const Evidence* evidence) {
-    const bool uniform = chunk_->Kind(block) == BlockKind::kUniform;
-    if (scale == 4) cells.voxels[0] = ToCoarse(cells.voxels[0]);
-    if (scale > 1 && !chunk_->fine.Test(block) && evidence == nullptr) {
-      if (cells.voxels[0] == 0) return;
-      if (uniform && ~cells.voxels[0] == 0) {
-        FreeUniform(block);
-      } else {
-        writer_.FreeCoarse(block, cells.voxels[0]);
-      }
-      return;
+  /// Cells of 2 or 4 voxels in a block without a fine leaf; false where some are doubtful or there is a leaf.
+  bool FillCoarse(int block, int scale) {
+    if (chunk_->fine.Test(block)) return false;
+    const CoarseVerdict verdict = Verdict(block, scale);
+    if (verdict.doubtful != 0) return false;
+    if (verdict.free == 0) return true;
+    if (~verdict.free == 0 && chunk_->Kind(block) == BlockKind::kUniform) {
+      FreeUniform(block);
+    } else {
+      writer_.FreeCoarse(block, verdict.free);
     }
-    if (scale > 1) cells = ToVoxels(cells.voxels[0]);
+    return true;
+  }
+
+  /// In cells of 2^3, whatever the scale.
+  CoarseVerdict Verdict(int block, int scale) {
+    CoarseVerdict& v = verdict_;
+    if (verdict_block_ == block) return v;
+    verdict_block_ = block;
+    v = TestCells(*context_.image, *context_.frame, CornerOf(block), scale);
+    if (scale == 4) v = {ToCells(v.free), ToCells(v.doubtful)};
+    return v;
+  }
+
+  VoxelBits FreeVoxels(int block) const {
+    VoxelBits free;
+    TestVoxels(*context_.image, *context_.frame, CornerOf(block), &free);
+    return free;
+  }
+
+  /// Coarse cells where no beam objects; the octants where some do, voxel by voxel.
+  VoxelBits FreeVoxelsByCells(int block, int scale) {
+    const CoarseVerdict verdict = Verdict(block, scale);
+    VoxelBits free = ToVoxels(verdict.free);
+    if (verdict.doubtful == 0) return free;
+    const NodeKey corner = CornerOf(block);
+    VoxelBits pierced{};
+    for (int octant = 0; octant < 8; ++octant) {
+      const int x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
+      if ((verdict.doubtful >> (2 * x + 8 * y + 32 * z) & 0x330033) == 0) continue;
+      SetOctant(octant,
+                TestOctant(*context_.image, *context_.frame,
+                           {corner.x + 4 * x, corner.y + 4 * y, corner.z + 4 * z}),
+                &pierced);
+    }
+    const VoxelBits doubtful = ToVoxels(verdict.doubtful);
+    for (size_t i = 0; i < 8; ++i) free.layer[i] |= pierced.layer[i] & doubtful.layer[i];
+    return free;
+  }
+
+  void Apply(int block, const VoxelBits& free, const Evidence* evidence) {
     uint64_t any = 0, all = ~uint64_t{0};
-    for (const uint64_t layer : cells.voxels) {
+    for (const uint64_t layer : free.layer) {
       any |= layer;
       all &= layer;
     }
     if (any == 0 && evidence == nullptr) return;
-    if (~all == 0 && uniform && evidence == nullptr) {
+    if (~all == 0 && chunk_->Kind(block) == BlockKind::kUniform && evidence == nullptr) {
       FreeUniform(block);
     } else {
-      writer_.UpdateFine(block, cells.voxels.data(), evidence);
+      writer_.UpdateFine(block, free.layer.data(), evidence);
     }
   }
 
@@ -234,21 +278,21 @@ class Filler {
     const NodeKey c = CornerOf(block), &a = context_.keep_min, &b = context_.keep_max;
     return c.x >= a.x && c.y >= a.y && c.z >= a.z && c.x + 8 <= b.x && c.y + 8 <= b.y && c.z + 8 <= b.z;
   }
-  void Keep(int block, FreeCells* cells) const {
+  void Keep(int block, VoxelBits* cells) const {
     const NodeKey c = CornerOf(block), &a = context_.keep_min, &b = context_.keep_max;
     const uint64_t x = KeptAlong(c.x, a.x, b.x), y = KeptAlong(c.y, a.y, b.y), z = KeptAlong(c.z, a.z, b.z);
     uint64_t layer = 0;
     for (int row = 0; row < 8; ++row) layer |= (y >> row & 1) * (x << (8 * row));
-    for (size_t i = 0; i < 8; ++i) cells->voxels[i] &= (z >> i & 1) * layer;
+    for (size_t i = 0; i < 8; ++i) cells->layer[i] &= (z >> i & 1) * layer;
   }
   const Evidence* Keep(int block, const Evidence* evidence) {
     constexpr Evidence kNone = std::is_same_v<Field, OccupancyField> ? Evidence{0} : Evidence(kNoDistance);
-    FreeCells kept;
-    kept.voxels.fill(~uint64_t{0});
+    VoxelBits kept;
+    kept.layer.fill(~uint64_t{0});
     Keep(block, &kept);
     bool any = false;
     for (size_t i = 0; i < kBlockVoxels; ++i) {
-      const bool in = kept.voxels[i >> 6] >> (i & 63) & 1;
+      const bool in = kept.layer[i >> 6] >> (i & 63) & 1;
       kept_evidence_[i] = in ? evidence[i] : kNone;
       any = any || kept_evidence_[i] != kNone;
     }
@@ -261,6 +305,8 @@ class Filler {
   BlockWriter<Field> writer_;
   typename EvidenceOf<Field>::Type evidence_;
   NodeKey corner_;
+  int verdict_block_ = -1;
+  CoarseVerdict verdict_ = {};
   alignas(64) Evidence kept_evidence_[kBlockVoxels];
 };
 

@@ -54,32 +54,36 @@ HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules&
   return any;
 }
 
+template <typename Projector>
+HWY_INLINE bool MeasureLayers(const ScanImage& image, const DistanceRules& rules, const Lattice& lattice,
+                              const Projector& projector, int16_t* out) {
+  const DF d;
+  bool any = false;
+  for (int group = 0; group < kBlockVoxels / 16; ++group) {
+    const auto j = static_cast<float>(group % 4), layer = static_cast<float>(group / 4);
+    VF at[3];
+    for (size_t i = 0; i < kGroup; i += hn::Lanes(d)) {
+      for (int c = 0; c < 3; ++c) {
+        const float base = lattice.first[c] + j * lattice.step_y[c] + layer * lattice.step_z[c];
+        at[c] = hn::Add(hn::Set(d, base), hn::Load(d, lattice.lane[c] + i));
+      }
+      const GridPoint p = projector.Project(d, at[0], at[1], at[2]);
+      any |= MeasureVector(d, image, rules, p, at[0], at[1], at[2], lattice.turn,
+                           out + 16 * static_cast<size_t>(group) + i);
+    }
+  }
+  return any;
+}
+
 bool MeasureBlock(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, float truncation_m,
                   float unit_m, int16_t* out) {
-  const DF d;
-  const size_t lanes = hn::Lanes(d);
   const DistanceRules rules{truncation_m, 1.0f / unit_m};
-  bool any = false;
-  WithProjector(image, frame, corner, 1, [&](const Lattice& lattice, const auto& projector, float) HWY_ATTR {
-    for (int z = 0; z < lattice.layers; ++z) {
-      for (int j = 0; j < lattice.groups_y; ++j) {
-        float at[3];
-        for (int c = 0; c < 3; ++c) {
-          at[c] = lattice.first[c] + static_cast<float>(j) * lattice.step_y[c] +
-                  static_cast<float>(z) * lattice.step_z[c];
-        }
-        int16_t* group = out + 64 * z + 16 * j;
-        for (size_t i = 0; i < kGroup; i += lanes) {
-          const VF x = hn::Add(hn::Set(d, at[0]), hn::LoadU(d, lattice.lane[0] + i));
-          const VF y = hn::Add(hn::Set(d, at[1]), hn::LoadU(d, lattice.lane[1] + i));
-          const VF zz = hn::Add(hn::Set(d, at[2]), hn::LoadU(d, lattice.lane[2] + i));
-          const GridPoint p = projector.Project(d, x, y, zz);
-          any |= MeasureVector(d, image, rules, p, x, y, zz, lattice.turn, group + i);
-        }
-      }
-    }
-  });
-  return any;
+  const Place place = PlaceOf(frame, corner, kBlockSide);
+  const Lattice lattice = LatticeOf(frame, frame.lanes_1, corner, 1, place.turn);
+  if (place.near) return MeasureLayers(image, rules, lattice, NearProjector{*image.grid}, out);
+  FarProjector projector;
+  SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
+  return MeasureLayers(image, rules, lattice, projector, out);
 }
 
 }  // namespace HWY_NAMESPACE

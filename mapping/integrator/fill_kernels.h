@@ -17,6 +17,14 @@ struct ScanFrame {
   float resolution_m = 0.05f;
   float sensor[3] = {};   ///< window coordinates
   float axis[3][3] = {};  ///< [map axis]: one voxel along it, metres in the LiDAR frame
+  /// Offsets of a group's 16 cells from its first, [component][cell]. Scale 1: 8 x 2 x 1 and, of a half
+  /// block, 4 x 4 x 1 cells; scale 2: 4 x 4 x 1; scale 4: 2 x 2 x 2, twice.
+  struct Lanes {
+    alignas(64) float offset[3][16];
+  };
+  Lanes lanes_1, lanes_1_octant, lanes_2, lanes_4;
+  /// @pre axis is set.
+  void SetLanes();
 
   /// Metres in the LiDAR frame of a point in window coordinates.
   void ToLidar(float x, float y, float z, float out[3]) const {
@@ -34,15 +42,24 @@ void TestBoxes(const ScanImage& image, const ScanFrame& frame, const float* x, c
 void TestBlocks(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockMask* mixed,
                 BlockMask* full);
 
-/// Free cells of a block. Scale 1: a bit a voxel in `voxels`; 2: a bit a cell of 2^3 in voxels[0]; 4: the
-/// low 8 bits of voxels[0].
-struct FreeCells {
-  std::array<uint64_t, kBlockSide> voxels;
+/// A bit a voxel of a block, by z-layers.
+struct VoxelBits {
+  std::array<uint64_t, kBlockSide> layer;
 };
-/// A cell is free if its nearest beam returned behind it and no beam around it returned in front of it, or
-/// its own beam pierces it. Returns whether some cell is free only since it is pierced.
-bool TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale,
-               FreeCells* out);
+/// A cell is free if its nearest beam returned behind it and no beam around it returned in front of it. Where
+/// beams around it did, a cell is still free if its own beam pierces it; that holds for voxels only, so
+/// larger cells are `doubtful` then.
+/// @{
+/// All voxels of the block with this corner.
+void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, VoxelBits* free);
+/// The 4^3 voxels of an octant with this corner: a bit each, x fastest.
+uint64_t TestOctant(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner);
+/// Cells of 2^3 (64 bits) or 4^3 voxels (8 bits) of a block, x fastest. @pre scale is 2 or 4.
+struct CoarseVerdict {
+  uint64_t free, doubtful;
+};
+CoarseVerdict TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale);
+/// @}
 
 /// Signed distances of a block's voxels to the planes of their nearest beams, in `unit_m` clamped to
 /// +-truncation_m; kNoDistance where the nearest beam hit nothing or the plane is farther behind. Returns

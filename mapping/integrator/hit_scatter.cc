@@ -48,6 +48,7 @@ void HitScatter::Place(const ScanImage& image, const core::Pose& T_map_lidar, do
   }
   frame->first_chunk = {first[0], first[1], first[2]};
   frame->resolution_m = static_cast<float>(resolution_m);
+  frame->SetLanes();
 }
 
 HitBlock* HitScatter::BlockAt(const NodeKey& voxel) {
