@@ -3,7 +3,6 @@
 #include <array>
 #include <utility>
 
-#include "core/errors.h"
 #include "mapping/backends/sweep_cloud.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/integrator/integrator.h"
@@ -37,9 +36,9 @@ class SeAtlasMapper : public Mapper {
         tree_(params.resolution_m),
         grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
         last_hit_(grid_.frame().count(), 0) {
-    if (!lidar) throw core::InputError("mapper: se_atlas needs the beam table of the LiDAR it will hear");
     const IntegratorParams integrator = IntegratorParamsOf(params, grid_.region());
-    integrator_ = MakeConeIntegrator<Field>(integrator, *lidar);
+    integrator_ =
+        lidar ? MakeConeIntegrator<Field>(integrator, *lidar) : MakeRayIntegrator<Field>(integrator);
     for (int v = -128; v < 128; ++v) {
       code_[static_cast<uint8_t>(v)] = DenseGrid::CodeOf(ViewLogOdds(static_cast<int8_t>(v), integrator));
     }

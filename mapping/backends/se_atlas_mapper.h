@@ -8,8 +8,8 @@
 namespace atlas::mapping {
 
 /// A multi-resolution occupancy octree, fed spin by spin with per-ray poses through the cones of the beam
-/// table that `lidar` tells. Planners read a dense mirror of the region, which takes over the octree's
-/// changed blocks when it is asked for. @throws InputError where `lidar` is absent.
+/// table that `lidar` tells, ray by ray where it is absent. Planners read a dense mirror of the region, which
+/// takes over the octree's changed blocks when it is asked for.
 std::unique_ptr<Mapper> BuildSeAtlasMapper(const MapperParams& params, const core::Box3& object_box,
                                            const std::optional<core::LidarModel>& lidar);
 

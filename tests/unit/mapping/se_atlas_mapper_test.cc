@@ -1,0 +1,167 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/rng.h"
+#include "mapping/io/map_file.h"
+#include "mapping/mapper.h"
+#include "mapping/undistort.h"
+
+namespace atlas::mapping {
+namespace {
+
+using core::Vec3;
+using core::Vec3f;
+
+const core::Box3 kRoom{Vec3(-2.0, -2.0, 0.0), Vec3(2.0, 2.0, 2.4)};
+const core::Box3 kBox{Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)};
+
+/// A VLP-16 that rolls from +40 to -40 degrees and back in a room: ranges in closed form, each ray from where
+/// the sensor is at its own time.
+core::Sweep RollingSweep(int spins) {
+  const core::LidarModel lidar = core::FindLidarModel("vlp16");
+  core::Sweep sweep;
+  core::Rng rng(3);
+  const double period = 1.0 / lidar.spin_rate_hz, total = spins * period;
+  const auto pose_at = [&](double t) {
+    const double roll = core::Radians(40.0) * (1.0 - 4.0 * std::abs(t / total - 0.5)) * -1.0;
+    return core::MakePose(core::RotationFromYawPitchRoll(0.3, 0.0, roll), Vec3(0.3, -0.2, 0.92));
+  };
+  for (int s = 0; s < spins; ++s) {
+    core::SpinEvent event;
+    core::LidarScan& scan = event.scan;
+    scan.rows = lidar.rows();
+    scan.columns = lidar.columns;
+    scan.stamp_s = period * s;
+    scan.min_range_m = static_cast<float>(lidar.min_range_m);
+    scan.max_range_m = static_cast<float>(lidar.max_range_m);
+    for (double t = 0.0; t <= period + 1e-4; t += 0.005) {
+      event.T_odom_lidar.Add(scan.stamp_s + t, pose_at(scan.stamp_s + t));
+    }
+    for (int row = 0; row < scan.rows; ++row) {
+      for (int column = 0; column < scan.columns; ++column) {
+        const double time = period * column / scan.columns;
+        const Vec3 direction = lidar.Direction(row, column);
+        const core::Pose T = event.T_odom_lidar.At(scan.stamp_s + time);
+        const double range = kRoom.Clip(T.translation(), T.linear() * direction)->second;
+        scan.direction_lidar.push_back(direction.cast<float>());
+        scan.time_s.push_back(static_cast<float>(time));
+        scan.range_m.push_back(static_cast<float>(range + 0.005 * rng.Normal()));
+        scan.kind.push_back(core::ReturnKind::kHit);
+      }
+    }
+    sweep.spins.push_back(std::move(event));
+  }
+  return sweep;
+}
+
+std::unique_ptr<Mapper> Make(const std::string& name) {
+  MapperParams params;
+  params.name = name;
+  return MakeMapper(params, kBox, core::FindLidarModel("vlp16"));
+}
+
+struct Counts {
+  double free = 0, occupied = 0, freed_wall = 0, occupied_away = 0, free_outside = 0;
+};
+Counts CountStates(const OccupancyView& view) {
+  Counts n;
+  const core::Box3& region = view.region();
+  for (double x = region.min.x() + 0.025; x < region.max.x(); x += 0.05) {
+    for (double y = region.min.y() + 0.025; y < region.max.y(); y += 0.05) {
+      for (double z = region.min.z() + 0.025; z < region.max.z(); z += 0.05) {
+        const CellState state = view.StateAt(Vec3(x, y, z));
+        // Distance to the walls, negative outside.
+        const double inside = std::min({2.0 - std::abs(x), 2.0 - std::abs(y), z, 2.4 - z});
+        n.free += state == CellState::kFree;
+        n.occupied += state == CellState::kOccupied;
+        n.free_outside += state == CellState::kFree && inside < -0.026;
+        n.occupied_away += state == CellState::kOccupied && std::abs(inside) > 0.13;
+      }
+    }
+  }
+  return n;
+}
+
+TEST(SeAtlasMapper, RoomIsFreeInsideOccupiedOnItsWallsAndUnknownBeyond) {
+  const core::Sweep sweep = RollingSweep(30);
+  const auto atlas = Make("se_atlas"), octomap = Make("octomap");
+  atlas->Integrate(sweep);
+  octomap->Integrate(sweep);
+  const Counts a = CountStates(atlas->view()), o = CountStates(octomap->view());
+  EXPECT_GT(a.free, 0.97 * o.free);
+  EXPECT_GT(a.occupied, 0.9 * o.occupied);
+  EXPECT_LE(a.free_outside, 0.001 * a.free);
+  EXPECT_LE(a.occupied_away, 0.01 * a.occupied);
+  EXPECT_LT(atlas->MapBytes(), octomap->MapBytes());
+}
+
+TEST(SeAtlasMapper, ReturnsTheSameCloudAsTheOctomapBackend) {
+  const core::Sweep sweep = RollingSweep(4);
+  const auto a = Make("se_atlas")->Integrate(sweep), o = Make("octomap")->Integrate(sweep);
+  ASSERT_GT(a.points.size(), 10000u);
+  EXPECT_TRUE(a.points == o.points);
+}
+
+TEST(SeAtlasMapper, ViewIsTheSameWhenItIsReadAfterEverySpinOrOnce) {
+  const core::Sweep sweep = RollingSweep(6);
+  const auto once = Make("se_atlas"), often = Make("se_atlas");
+  once->Integrate(sweep);
+  for (const core::SpinEvent& spin : sweep.spins) {
+    core::Sweep one;
+    one.T_map_odom = sweep.T_map_odom;
+    one.spins.push_back(spin);
+    often->Integrate(one);
+    often->view();
+  }
+  EXPECT_TRUE(once->view().OccupiedCenters() == often->view().OccupiedCenters());
+  core::Rng rng(5);
+  std::vector<RaySample> a, b;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Vec3 direction = Vec3(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
+    once->view().Trace(Vec3(0.1, 0.2, 1.0), direction, 20.0, &a);
+    often->view().Trace(Vec3(0.1, 0.2, 1.0), direction, 20.0, &b);
+    ASSERT_EQ(a.size(), b.size());
+    for (size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i].occupancy, b[i].occupancy);
+      EXPECT_EQ(a[i].behind_surface, b[i].behind_surface);
+    }
+  }
+}
+
+TEST(SeAtlasMapper, BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls) {
+  const auto atlas = Make("se_atlas");
+  atlas->Integrate(RollingSweep(6));
+  std::vector<RaySample> samples;
+  int marked = 0;
+  // From outside through the wall: what lies behind it was never measured.
+  for (double y = -1.0; y < 1.0; y += 0.1) {
+    atlas->view().Trace(Vec3(4.0, y, 1.0), -Vec3::UnitX(), 20.0, &samples);
+    for (const RaySample& s : samples) {
+      marked += s.behind_surface > 0.0f;
+      EXPECT_TRUE(s.behind_surface == 0.0f || s.occupancy == 0.5f);
+      EXPECT_LE(s.behind_surface, 11.0f) << "2 D - 1, D = 6 voxels";
+    }
+  }
+  EXPECT_GT(marked, 10);
+}
+
+TEST(SeAtlasMapper, SavedMapReadsBackWithTheSameOccupiedVoxels) {
+  const auto atlas = Make("se_atlas");
+  atlas->Integrate(RollingSweep(6));
+  const auto dir = std::filesystem::temp_directory_path() / ("atlas_map_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(dir);
+  const std::string file = atlas->Save(dir);
+  EXPECT_EQ(file, "map.atlas");
+  const AnyOctree read = ReadMap(dir / file);
+  const auto& tree = std::get<OccupancyOctree>(read);
+  const auto centers = atlas->view().OccupiedCenters();
+  ASSERT_GT(centers.size(), 1000u);
+  for (const Vec3f& c : centers) {
+    EXPECT_TRUE(OccupancyField::Occupied(tree.At(Vec3(c.cast<double>()))));
+  }
+  std::filesystem::remove_all(dir);
+}
+
+}  // namespace
+}  // namespace atlas::mapping
