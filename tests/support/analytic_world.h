@@ -103,7 +103,7 @@ inline core::SpinEvent SpinThrough(const AnalyticWorld& world, const core::Lidar
       const core::Pose& T = pose[static_cast<size_t>(column)];
       double range = world.Cast(T.translation(), T.linear() * direction);
       const bool hit = range <= lidar.max_range_m;
-      if (hit && noise != nullptr) range += noise->Normal(0.0, lidar.range_sigma_m);
+      if (hit && noise != nullptr) range += lidar.range_sigma_m * noise->Normal();
       const bool dropped = (noise != nullptr && noise->Uniform() < lidar.dropout_probability) ||
                            (hit && range < lidar.min_range_m);
       scan.direction_lidar.push_back(direction.cast<float>());
