@@ -93,8 +93,13 @@ class SeAtlasMapper : public Mapper {
       std::fill(last_hit_.begin(), last_hit_.end(), uint8_t{0});
       spin_ = 1;
     }
+    const core::Box3 near = grid_.region().Inflated(params_.resolution_m);  // most hits lie elsewhere
+    const Vec3f near_min = near.min.cast<float>(), near_max = near.max.cast<float>();
     for (const MapRay& ray : spin.hits) {
       if (ray.range_m > static_cast<float>(params_.max_range_m)) continue;
+      const Vec3f end_float = ray.origin_map + ray.range_m * ray.direction_map;
+      if ((end_float.array() < near_min.array()).any() || (end_float.array() > near_max.array()).any())
+        continue;
       const Vec3 direction = ray.direction_map.cast<double>();
       const Vec3 end = ray.origin_map.cast<double>() + static_cast<double>(ray.range_m) * direction;
       const int64_t index = grid_.frame().IndexAt(end);
