@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "experiments/cli/commands.h"
+#include "experiments/cli/map_commands.h"
 
 namespace {
 
@@ -141,6 +142,7 @@ int Main(int argc, char** argv) {
   RecordArguments record;
   record.threads = run.threads;
   AddRecord(&app, &record, &action);
+  AddMapCommands(&app, run.threads, &action);
   BenchArguments bench;
   AddBench(&app, &bench, &action);
   try {
