@@ -16,7 +16,7 @@
 namespace atlas::mapping {
 
 struct MapperParams {
-  std::string name = "octomap";
+  std::string name = "se_atlas";
   double resolution_m = 0.05;
   double region_margin_m = 0.2;     ///< the map is kept in the object box grown by this
   double max_range_m = 20.0;        ///< longer returns count as misses along the trusted part of the ray
@@ -51,8 +51,8 @@ struct CatalogEntry {
 };
 const std::vector<CatalogEntry>& Catalog();
 
-/// `lidar` made the spins that the mapper will see; some backends cannot do without. @throws InputError for
-/// an unknown name, or where it is missing.
+/// `lidar` made the spins that the mapper will see; absent where that is not known. @throws InputError for an
+/// unknown name.
 std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
                                    const std::optional<core::LidarModel>& lidar = {});
 

@@ -47,7 +47,7 @@ TEST_P(ClosedLoop, ThreeScansRaiseCoverageWithoutHarm) {
   EXPECT_LT(summary.cloud_error_m_mean.value(), 0.03);
   for (const char* file :
        {"config.yaml", "summary.json", "steps.csv", "timings.csv", "candidates.csv", "coverage.svg",
-        "cloud.ply", "ground_truth.ply", "map.bt", "trajectory_truth.tum"}) {
+        "cloud.ply", "ground_truth.ply", "map.atlas", "trajectory_truth.tum"}) {
     EXPECT_TRUE(fs::exists(dir_ / "run" / file)) << file;
   }
 }
@@ -62,7 +62,17 @@ using Determinism = ClosedLoop;
 TEST_F(Determinism, SameSeedGivesTheSameBytesWithOneOrTwoThreads) {
   Run("car", 1, "one");
   Run("car", 2, "two");
-  for (const char* file : {"steps.csv", "candidates.csv", "trajectory_truth.tum", "cloud.ply"}) {
+  for (const char* file : {"steps.csv", "candidates.csv", "trajectory_truth.tum", "cloud.ply", "map.atlas"}) {
+    EXPECT_TRUE(core::ReadFile(dir_ / "one" / file) == core::ReadFile(dir_ / "two" / file)) << file;
+  }
+}
+
+TEST_F(Determinism, SoWithOctomapWhoseMapIsItsOwnFile) {
+  const RunSummary summary = Run("car", 1, "one", {"mapper=octomap"});
+  Run("car", 2, "two", {"mapper=octomap"});
+  EXPECT_EQ(summary.mapper, "octomap");
+  EXPECT_EQ(summary.falls, 0.0);
+  for (const char* file : {"steps.csv", "candidates.csv", "map.bt"}) {
     EXPECT_TRUE(core::ReadFile(dir_ / "one" / file) == core::ReadFile(dir_ / "two" / file)) << file;
   }
 }

@@ -53,6 +53,12 @@ core::Sweep RoomSweep(int spins, double noise, const Vec3& velocity = Vec3(0.5, 
   return sweep;
 }
 
+MapperParams OctomapParams() {
+  MapperParams params;
+  params.name = "octomap";
+  return params;
+}
+
 const core::Box3 kBox{Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)};
 
 /// The library's own way: computeUpdate over each spin's cloud, ray by ray, then the same for void rays.
@@ -78,7 +84,7 @@ void InsertWithLibrary(const core::Sweep& sweep, const MapperParams& params, oct
 }
 
 TEST(OctomapMapper, AgreesWithTheLibraryInsertedSpinBySpin) {
-  MapperParams params;
+  MapperParams params = OctomapParams();
   params.void_range_m = 3.0;
   const core::Sweep sweep = RoomSweep(6, 0.01);
   const auto mapper = MakeMapper(params, kBox);
@@ -120,7 +126,7 @@ TEST(OctomapMapper, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
     }
     for (Vec3f& d : event.scan.direction_lidar) d.normalize();
   }
-  MapperParams params;
+  MapperParams params = OctomapParams();
   params.void_range_m = 1.0;
   const auto clearing = MakeMapper(params, kBox);
   clearing->Integrate(sweep);
@@ -148,7 +154,7 @@ TEST(OctomapMapper, CloudIsUndistortedOnTheTrueWalls) {
 }
 
 TEST(OctomapMapper, TraceListsTheVoxelsThatSamplingFinds) {
-  const auto mapper = MakeMapper(MapperParams{}, kBox);
+  const auto mapper = MakeMapper(OctomapParams(), kBox);
   mapper->Integrate(RoomSweep(12, 0.0, Vec3(0.05, 0.02, 0.0)));
   const OccupancyView& view = mapper->view();
   core::Rng rng(5);
@@ -176,7 +182,7 @@ TEST(OctomapMapper, TraceListsTheVoxelsThatSamplingFinds) {
 }
 
 TEST(OctomapMapper, DistanceToOccupiedMatchesBruteForce) {
-  const auto mapper = MakeMapper(MapperParams{}, kBox);
+  const auto mapper = MakeMapper(OctomapParams(), kBox);
   mapper->Integrate(RoomSweep(3, 0.0));
   const auto centers = mapper->view().OccupiedCenters();
   ASSERT_FALSE(centers.empty());
@@ -190,7 +196,7 @@ TEST(OctomapMapper, DistanceToOccupiedMatchesBruteForce) {
 }
 
 TEST(OctomapMapper, SavedTreeReadsBackWithTheSameOccupiedCells) {
-  const auto mapper = MakeMapper(MapperParams{}, kBox);
+  const auto mapper = MakeMapper(OctomapParams(), kBox);
   mapper->Integrate(RoomSweep(6, 0.0));
   const auto dir = std::filesystem::temp_directory_path() / ("atlas_bt_" + std::to_string(::getpid()));
   const std::string file = mapper->Save(dir);
@@ -206,7 +212,7 @@ TEST(OctomapMapper, SavedTreeReadsBackWithTheSameOccupiedCells) {
 }
 
 TEST(Mapper, RegionTooLargeForTheResolutionIsRefused) {
-  MapperParams params;
+  MapperParams params = OctomapParams();
   params.resolution_m = 0.02;
   EXPECT_THROW(MakeMapper(params, core::Box3{Vec3(-200, -200, 0), Vec3(200, 200, 20)}), core::InputError);
   params.name = "octomop";
