@@ -44,7 +44,12 @@ HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules&
     const VF distance = hn::Add(hn::Add(hn::Mul(nx, hn::Sub(lx, px)), hn::Mul(ny, hn::Sub(ly, py))),
                                 hn::Mul(nz, hn::Sub(z, pz)));
     const VF far = hn::Set(d, rules.truncation_m);
-    const MF within = hn::And(hit, hn::Lt(hn::Abs(distance), far));
+    // Behind the return the plane holds as far as the next beams' returns may lie: no farther, or the far
+    // side of a thin or round thing would be taken for its inside.
+    const VF pitch = hn::Set(d, 0.5f * static_cast<float>(image.grid->mean_row_pitch_rad));
+    const VF gap = hn::Mul(hn::Mul(range, pitch), hn::GatherIndex(d, image.inverse_cos.data(), cell));
+    const MF reached = hn::Lt(hn::Sub(p.distance, range), hn::Add(far, gap));
+    const MF within = hn::And(hn::And(hit, reached), hn::Lt(hn::Abs(distance), far));
     any = !hn::AllFalse(d, within);
     value = hn::IfThenElse(within, hn::Mul(distance, hn::Set(d, rules.per_unit)), none);
   }

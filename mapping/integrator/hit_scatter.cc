@@ -93,8 +93,40 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
   blocks_used_ = 0;
   if (chunks_.empty()) chunks_.resize(1);
   for (size_t i = 0; i < image.range.size(); ++i) {
-    if (image.range[i] > 0.0f) ScatterHit(image, frame, model, i);
+    if (image.range[i] > 0.0f) ScatterHit(frame, model, HitOfCell(image, frame, i));
   }
+  for (const ScanImage::SpareHit& spare : image.spare)
+    ScatterHit(frame, model, HitOfSpare(image, frame, spare));
+}
+
+HitScatter::Hit HitScatter::HitOfCell(const ScanImage& image, const ScanFrame& frame, size_t i) const {
+  const float inverse = 1.0f / frame.resolution_m;
+  Hit hit{{wx_[i], wy_[i], wz_[i]}, {}, image.support[i] * inverse, image.range[i] * inverse};
+  for (int a = 0; a < 3; ++a) {
+    hit.n[a] = -inverse * (frame.axis[a][0] * image.nx[i] + frame.axis[a][1] * image.ny[i] +
+                           frame.axis[a][2] * image.nz[i]);
+  }
+  return hit;
+}
+
+/// With the plane of the hit in its cell where that is near, else seen head on.
+HitScatter::Hit HitScatter::HitOfSpare(const ScanImage& image, const ScanFrame& frame,
+                                       const ScanImage::SpareHit& spare) const {
+  const auto ray = static_cast<size_t>(spare.ray), cell = static_cast<size_t>(spare.cell);
+  const float inverse = 1.0f / frame.resolution_m;
+  const bool near = std::abs(image.range[cell] - image.ray_range[ray]) < frame.resolution_m;
+  Hit hit = HitOfCell(image, frame, cell);
+  hit.range = image.ray_range[ray] * inverse;
+  float l1 = 0.0f;
+  for (int a = 0; a < 3; ++a) {
+    hit.w[a] = inverse * inverse *
+               (frame.axis[a][0] * image.ray_x[ray] + frame.axis[a][1] * image.ray_y[ray] +
+                frame.axis[a][2] * image.ray_z[ray]);
+    if (!near) hit.n[a] = hit.w[a] / hit.range;
+    l1 += std::abs(hit.n[a]);
+  }
+  hit.support = 0.5f * l1;
+  return hit;
 }
 
 bool HitScatter::MayReachKept(const float* p) const {
@@ -109,20 +141,14 @@ bool HitScatter::MayReachKept(const float* p) const {
   return reaches;
 }
 
-void HitScatter::ScatterHit(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
-                            size_t i) {
-  const float inverse = 1.0f / frame.resolution_m;
-  const float range = image.range[i] * inverse, per_range = 1.0f / range;
-  const float p[3] = {frame.sensor[0] + wx_[i], frame.sensor[1] + wy_[i], frame.sensor[2] + wz_[i]};
+void HitScatter::ScatterHit(const ScanFrame& frame, const SurfaceModel& model, const Hit& hit) {
+  const float range = hit.range, per_range = 1.0f / range;
+  const float p[3] = {frame.sensor[0] + hit.w[0], frame.sensor[1] + hit.w[1], frame.sensor[2] + hit.w[2]};
   if (!MayReachKept(p)) return;
-  const float along[3] = {wx_[i] * per_range, wy_[i] * per_range, wz_[i] * per_range};
+  const float along[3] = {hit.w[0] * per_range, hit.w[1] * per_range, hit.w[2] * per_range};
   const float back[3] = {-along[0], -along[1], -along[2]};
-  float n[3];  // unit, into the surface, along the map's axes
-  for (int a = 0; a < 3; ++a) {
-    n[a] = -inverse *
-           (frame.axis[a][0] * image.nx[i] + frame.axis[a][1] * image.ny[i] + frame.axis[a][2] * image.nz[i]);
-  }
-  const float shift = image.support[i] * inverse, depth = model.Depth(range), band = model.Band(range);
+  const float(&n)[3] = hit.n;
+  const float shift = hit.support, depth = model.Depth(range), band = model.Band(range);
   const auto distance_to = [&](const NodeKey& v) {
     return n[0] * (static_cast<float>(v.x) + 0.5f - p[0]) + n[1] * (static_cast<float>(v.y) + 0.5f - p[1]) +
            n[2] * (static_cast<float>(v.z) + 0.5f - p[2]) + shift;

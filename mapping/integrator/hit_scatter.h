@@ -39,7 +39,15 @@ class HitScatter {
     BlockMask touched;
     std::array<uint32_t, kChunkBlocks> slot;
   };
-  void ScatterHit(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model, size_t cell);
+  struct Hit {
+    float w[3];     ///< from the sensor, voxels along the map's axes
+    float n[3];     ///< unit, into the surface, along the map's axes
+    float support;  ///< voxels
+    float range;    ///< voxels
+  };
+  Hit HitOfCell(const ScanImage& image, const ScanFrame& frame, size_t cell) const;
+  Hit HitOfSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare) const;
+  void ScatterHit(const ScanFrame& frame, const SurfaceModel& model, const Hit& hit);
   HitBlock* BlockAt(const NodeKey& voxel);
   /// Whether a hit at `p` (window voxels) may touch a voxel that is kept.
   bool MayReachKept(const float* p) const;

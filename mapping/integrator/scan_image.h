@@ -39,6 +39,11 @@ struct ScanImage {
   std::vector<float> du, dv;
   std::vector<float> range;    ///< as ray_range
   std::vector<float> x, y, z;  ///< as ray_x
+  /// Hits that no cell took, since another ray is nearer to each direction around.
+  struct SpareHit {
+    int32_t ray, cell;  ///< the cell that the ray falls into
+  };
+  std::vector<SpareHit> spare;
 
   // --- Surface at hits: unit normal towards the sensor (LiDAR frame), 1 / cos(incidence), the voxel's
   // support along the normal.

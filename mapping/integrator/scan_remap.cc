@@ -230,6 +230,21 @@ void BinRays(const ScanImage& image, BinStore* bins) {
   }
 }
 
+/// Hits left over once cells have chosen.
+void FindSpares(ScanImage* image) {
+  image->spare.clear();
+  std::vector<uint8_t> taken(image->ray_range.size(), 0);
+  for (const int32_t ray : image->cell_ray) {
+    if (ray >= 0) taken[static_cast<size_t>(ray)] = 1;
+  }
+  for (size_t i = 0; i < taken.size(); ++i) {
+    if (taken[i] != 0 || image->ray_range[i] <= 0.0f) continue;
+    const int row = std::clamp(static_cast<int>(image->ray_v[i] + 0.5f), 0, image->rows - 1);
+    const int column = static_cast<int>(image->ray_u[i] + 0.5f) % image->columns;
+    image->spare.push_back({static_cast<int32_t>(i), row * image->columns + column});
+  }
+}
+
 }  // namespace
 
 void PrepareImage(const BeamGrid& grid, ScanImage* image) {
@@ -256,6 +271,7 @@ void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const Imag
   BinRays(*image, &bins);
   HWY_DYNAMIC_DISPATCH(MatchScan)
   ({bins.du.data(), bins.dv.data(), bins.ray.data(), bins.pitch}, options, image);
+  FindSpares(image);
 }
 
 }  // namespace atlas::mapping
