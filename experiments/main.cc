@@ -90,15 +90,24 @@ void AddReport(CLI::App* app, ReportArguments* arguments, Action* action) {
   report->callback([=] { *action = [=] { return ReportCommand(*arguments); }; });
 }
 
-struct BenchArguments {
-  std::string what, scene;
-};
-
 void AddBench(CLI::App* app, BenchArguments* arguments, Action* action) {
-  CLI::App* bench = app->add_subcommand("bench", "Measure a part: lidar (rays a second beside bare Embree)");
-  bench->add_option("what", arguments->what, "lidar")->required();
+  CLI::App* bench = app->add_subcommand(
+      "bench",
+      "Measure a part: lidar (rays a second beside bare Embree), mapper (SE-Atlas beside OctoMap), "
+      "motion (maps with per-ray poses off and on)");
+  bench->add_option("what", arguments->what, "lidar, mapper or motion")->required();
   bench->add_option("--scene", arguments->scene, "only this scene");
-  bench->callback([=] { *action = [=] { return BenchCommand(arguments->what, arguments->scene); }; });
+  bench->add_option("--range", arguments->range_m, "mapper: metres (with --scene)")
+      ->check(CLI::Range(1.0, 200.0));
+  bench->add_option("--resolution", arguments->resolution_m, "mapper: metres (with --scene)")
+      ->check(CLI::Range(0.01, 2.0));
+  bench->add_option("--scans", arguments->scans, "mapper: of the route (default: all)")
+      ->check(CLI::Range(1, 100000));
+  bench->add_option("--threads", arguments->threads, "of SE-Atlas (default 1)")->check(CLI::Range(1, 64));
+  bench->add_option("--simd", arguments->simd, "mapper: scalar, sse4, avx2 or avx512 at most");
+  bench->add_flag("!--no-octomap", arguments->octomap, "mapper: SE-Atlas alone");
+  bench->add_option("--out", arguments->out, "tables and plots (default runs/bench_WHAT)");
+  bench->callback([=] { *action = [=] { return BenchCommand(*arguments); }; });
 }
 
 void AddRecord(CLI::App* app, RecordArguments* arguments, Action* action) {

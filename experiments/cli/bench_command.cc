@@ -3,14 +3,19 @@
 #include <iostream>
 
 #include "core/errors.h"
+#include "core/files.h"
+#include "experiments/bench/mapper_bench.h"
+#include "experiments/bench/motion_bench.h"
 #include "experiments/cli/commands.h"
+#include "experiments/cli/progress_line.h"
+#include "mapping/integrator/simd_target.h"
 #include "scenes/catalog.h"
 #include "sim/sensors/raycaster_bench.h"
 
 namespace atlas::experiments {
+namespace {
 
-int BenchCommand(const std::string& what, const std::string& scene) {
-  if (what != "lidar") throw core::InputError(core::UnknownName("bench", what, {"lidar"}));
+int BenchLidar(const std::string& scene) {
   const core::LidarModel lidar = core::FindLidarModel("vlp16");
   std::cout << fmt::format("{:<20} {:>10} {:>12} {:>14} {:>8} {:>12}\n", "scene", "triangles", "rays/s",
                            "bare Embree/s", "share", "ms a spin");
@@ -22,6 +27,69 @@ int BenchCommand(const std::string& what, const std::string& scene) {
                              100.0 * speed.rays_per_second / speed.bare_rays_per_second, speed.spin_ms);
   }
   return 0;
+}
+
+std::vector<MapperCase> CasesFor(const BenchArguments& arguments) {
+  const bool one = arguments.range_m || arguments.resolution_m;
+  if (one && arguments.scene.empty()) {
+    throw core::InputError("bench mapper: --range and --resolution need --scene");
+  }
+  if (one)
+    return {{arguments.scene, arguments.range_m.value_or(60.0), arguments.resolution_m.value_or(0.065)}};
+  std::vector<MapperCase> cases = StandardMapperCases();
+  if (arguments.scene.empty()) return cases;
+  std::erase_if(cases, [&](const MapperCase& c) { return c.scene != arguments.scene; });
+  if (cases.empty()) cases = {{arguments.scene, 60.0, 0.26}, {arguments.scene, 60.0, 0.065}};
+  return cases;
+}
+
+int BenchMapper(const BenchArguments& arguments, const std::filesystem::path& folder) {
+  if (!arguments.simd.empty()) mapping::LimitSimd(arguments.simd);
+  MapperBenchOptions options;
+  options.max_scans = arguments.scans;
+  options.threads = arguments.threads;
+  options.octomap = arguments.octomap;
+  std::vector<MapperCaseResult> results;
+  std::optional<BenchDataset> dataset;
+  ProgressLine line;
+  for (const MapperCase& setting : CasesFor(arguments)) {
+    if (!dataset || dataset->name != setting.scene) {
+      dataset.reset();
+      dataset = RecordBenchDataset(setting.scene, arguments.scans, arguments.threads, [&](double share) {
+        line.Show(fmt::format("recording {}: {:3.0f} %", setting.scene, 100.0 * share), false);
+      });
+    }
+    results.push_back(
+        RunMapperCase(setting, *dataset, options, [&](const std::string& text) { line.Show(text, false); }));
+    WriteMapperBench(folder, results);
+  }
+  line.Show("measured", true);
+  std::cout << fmt::format("instructions: {}; threads: {}\n", mapping::SimdInUse(), arguments.threads)
+            << SpeedTable(results) << "\n"
+            << QualityTable(results) << "\ntables and plots: " << folder.string() << "\n";
+  return 0;
+}
+
+int BenchMotion(const BenchArguments& arguments, const std::filesystem::path& folder) {
+  const std::vector<MotionCase> cases = RunMotionBench(arguments.threads);
+  WriteMotionBench(folder, cases);
+  std::cout << MotionTable(cases) << "\ntable and pictures: " << folder.string() << "\n";
+  return 0;
+}
+
+}  // namespace
+
+int BenchCommand(const BenchArguments& arguments) {
+  const std::string& what = arguments.what;
+  if (what == "lidar") return BenchLidar(arguments.scene);
+  if (what != "mapper" && what != "motion") {
+    throw core::InputError(core::UnknownName("bench", what, {"lidar", "mapper", "motion"}));
+  }
+  const std::filesystem::path folder =
+      arguments.out.empty() ? std::filesystem::path("runs") / ("bench_" + what) : arguments.out;
+  core::WriteFileAtomically(folder / "bench.txt",
+                            what + "\n");  // before the work: a bad folder costs nothing
+  return what == "mapper" ? BenchMapper(arguments, folder) : BenchMotion(arguments, folder);
 }
 
 }  // namespace atlas::experiments

@@ -62,6 +62,17 @@ int RecordCommand(const RecordArguments& arguments);
 
 int ListCommand(const std::string& what, bool verbose);
 int ExplainCommand(const std::string& experiment, const std::vector<std::string>& assignments);
-int BenchCommand(const std::string& what, const std::string& scene);
+struct BenchArguments {
+  std::string what;   ///< lidar | mapper | motion
+  std::string scene;  ///< only this one
+  std::optional<double> range_m,
+      resolution_m;  ///< mapper: with a scene, one setting instead of the standard ones
+  int scans = 0;     ///< mapper: of the route; 0: all
+  int threads = 1;
+  std::string simd;  ///< mapper: the widest instructions that may be used
+  bool octomap = true;
+  std::filesystem::path out;  ///< default runs/bench_<what>
+};
+int BenchCommand(const BenchArguments& arguments);
 
 }  // namespace atlas::experiments
