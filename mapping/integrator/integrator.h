@@ -23,10 +23,10 @@ struct IntegratorParams {
   double void_range_m = 20.0;       ///< a void ray is trusted this far
   // Eq. 4.2: sigma(d) = max(sigma_min, lambda_sigma d); L_min in front of -3 sigma, a ramp through the
   // surface, flat from lambda_r d / 2, nothing behind lambda_r d.
-  double sigma_min_m = 0.015;
+  double sigma_min_m = 0.006;
   double lambda_sigma = 0.0005;
   double lambda_r = 0.02;
-  double behind_min_voxels = 1.5;  ///< lambda_r d is at least this
+  double behind_min_voxels = 2.0;  ///< lambda_r d is at least this
   double behind_max_m = 0.25;  ///< and at most this: far returns must not thicken walls into the next room
   double miss_nats = 0.4;      ///< -L_min a scan
   double truncation_voxels = 3.0;  ///< TSDF: at scale 1; grows with the scale of integration

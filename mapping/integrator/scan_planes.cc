@@ -140,6 +140,21 @@ HWY_INLINE void StorePlane(DF d, const float* rotation, float half_voxel, Slopes
   hn::StoreU(hn::Mul(l1, hn::Set(d, half_voxel)), d, image->support.data() + i);
 }
 
+/// The nearer of the range of the return and of its plane in the cell's own direction, which the beam may
+/// miss by most of a cell (cells are looked up by their directions).
+HWY_INLINE VF RangeOfCell(DF d, const ScanImage& image, const Slopes& slope, VF range, int row, size_t i) {
+  const BeamGrid& grid = *image.grid;
+  const auto at = static_cast<size_t>(row);
+  const float pitch_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at];
+  // Elevations fall as rows grow. 1 / range is linear in the angle.
+  const VF along_u = hn::Mul(slope.azimuth, hn::Mul(hn::LoadU(d, image.du.data() + i), hn::Set(d, pitch_u)));
+  const VF along_v = hn::Mul(slope.elevation,
+                             hn::Mul(hn::LoadU(d, image.dv.data() + i), hn::Set(d, grid.row_pitch_rad[at])));
+  const VF grows = hn::Sub(along_u, along_v);
+  const VF factor = hn::Add(hn::Set(d, 1.0f), hn::Min(hn::Max(grows, hn::Zero(d)), hn::Set(d, 1.0f)));
+  return hn::Div(range, factor);
+}
+
 /// Free up to where a voxel could touch the surface: 3 sigma and its support off the plane. The own beam
 /// keeps twice the support away, since a voxel that it pierces may hang below it by as much.
 HWY_INLINE void StoreMargins(DF d, const ImageOptions& options, VF range, MF hit, int row, size_t column,
@@ -171,11 +186,13 @@ void PlanesOfScan(const float* rotation, const ImageOptions& options, ScanImage*
       const VF signed_range = hn::LoadU(d, image->range.data() + i);
       const MF hit = hn::Gt(signed_range, hn::Zero(d));
       const VF range = hn::IfThenElse(hit, signed_range, hn::Set(d, 1.0f));
+      VF free_range = range;
       if (!hn::AllFalse(d, hit)) {
         const Slopes slopes = SlopesOf(d, *image, row, column, range);
+        free_range = RangeOfCell(d, *image, slopes, range, row, i);
         StorePlane(d, rotation, 0.5f * options.resolution_m, slopes, range, i, image);
       }
-      StoreMargins(d, options, range, hit, row, column, i, image);
+      StoreMargins(d, options, free_range, hit, row, column, i, image);
     }
   }
 }
