@@ -10,8 +10,10 @@ HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
-constexpr float kPierceRadius = 0.71f;  ///< cells: a beam that passes this near to the middle pierces it
-constexpr float kWindowShare = 0.75f;   ///< of a cell's width that the veto window must cover
+constexpr float kPierceRadius = 0.5f;  ///< voxels: a beam that passes this near to the middle pierces it
+constexpr float kPierceCone =
+    2.0f;  ///< voxels between beams: wider, and the few voxels that they pierce do not count
+constexpr float kWindowShare = 0.75f;  ///< of a cell's width that the veto window must cover
 
 /// The images that a block is tested against.
 struct CellImages {
@@ -44,7 +46,8 @@ HWY_INLINE CellImages ImagesFor(const ScanImage& image, const ScanFrame& frame, 
   images.columns_before = image.window_columns[level] / 2 - 1;
   images.rows_end = static_cast<float>(image.rows) - 0.5f;
   const float radius = kPierceRadius * static_cast<float>(scale) * frame.resolution_m;
-  images.pierce2 = radius * radius;
+  const float cone = distance * static_cast<float>(image.grid->min_pitch_rad);
+  images.pierce2 = cone < kPierceCone * frame.resolution_m ? radius * radius : 0.0f;
   return images;
 }
 

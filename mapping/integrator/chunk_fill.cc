@@ -49,6 +49,21 @@ void SetOctant(int octant, uint64_t voxels, VoxelBits* free) {
   }
 }
 
+/// The free voxels beside voxels that are not: a surface that beams pass closely may run through those.
+/// Beyond a block's sides all is as at the sides.
+VoxelBits EdgeOf(const VoxelBits& free) {
+  constexpr uint64_t kFirstX = 0x0101010101010101, kLastX = kFirstX << 7, kFirstY = 0xff,
+                     kLastY = kFirstY << 56;
+  VoxelBits out;
+  for (size_t z = 0; z < 8; ++z) {
+    const uint64_t l = free.layer[z];
+    const uint64_t x = ((l << 1 & ~kFirstX) | (l & kFirstX)) & ((l >> 1 & ~kLastX) | (l & kLastX));
+    const uint64_t y = (l << 8 | (l & kFirstY)) & (l >> 8 | (l & kLastY));
+    out.layer[z] = l & ~(x & y & free.layer[z == 0 ? 0 : z - 1] & free.layer[z == 7 ? 7 : z + 1]);
+  }
+  return out;
+}
+
 /// Evidence on surfaces in one block: Eq. 4.2's updates, scattered beforehand.
 class OccupancyEvidence {
  public:
@@ -158,7 +173,7 @@ class Filler {
     if (chunk_->coarse.Test(block) && evidence == nullptr) {
       writer_.FreeCoarse(block, ~uint64_t{0});
     } else {
-      writer_.UpdateFine(block, nullptr, evidence);
+      writer_.UpdateFine(block, nullptr, {}, evidence);
     }
   }
 
@@ -180,7 +195,18 @@ class Filler {
       Keep(block, &free);
       if (evidence != nullptr) evidence = Keep(block, evidence);
     }
-    Apply(block, free, evidence);
+    // Occupied voxels beside others that are not free lose less; where beams are several voxels apart,
+    // nothing is said of them: who skims a crest from afar sees it free again and again, and never hits it.
+    if (std::is_same_v<Field, OccupancyField> && mixed && (evidence != nullptr || HoldsSurface(block))) {
+      const VoxelBits edge = EdgeOf(free);
+      const bool near = cone == 1;
+      Apply(
+          block, free,
+          {edge.layer.data(), near ? context_.rules.edge_units : 0, near ? 0 : OccupancyField::kNoneObserved},
+          evidence);
+    } else {
+      Apply(block, free, {}, evidence);
+    }
   }
 
   /// Cells of 2 or 4 voxels in a block without a fine leaf; false where some are doubtful or there is a leaf.
@@ -233,7 +259,7 @@ class Filler {
     return free;
   }
 
-  void Apply(int block, const VoxelBits& free, const Evidence* evidence) {
+  void Apply(int block, const VoxelBits& free, const WeakMisses& weak, const Evidence* evidence) {
     uint64_t any = 0, all = ~uint64_t{0};
     for (const uint64_t layer : free.layer) {
       any |= layer;
@@ -243,7 +269,7 @@ class Filler {
     if (~all == 0 && chunk_->Kind(block) == BlockKind::kUniform && evidence == nullptr) {
       FreeUniform(block);
     } else {
-      writer_.UpdateFine(block, free.layer.data(), evidence);
+      writer_.UpdateFine(block, free.layer.data(), weak, evidence);
     }
   }
 

@@ -158,7 +158,7 @@ void HitScatter::ScatterHit(const ScanFrame& frame, const SurfaceModel& model, c
     return std::clamp(rounded != 0 ? rounded : distance < 0.0f ? -1 : 1, -127, 127);
   };
   const NodeKey end{static_cast<int32_t>(p[0]), static_cast<int32_t>(p[1]), static_cast<int32_t>(p[2])};
-  Raise(end, std::max(1, units(std::min(distance_to(end), depth))));
+  Raise(end, std::max(model.hit_units, units(std::min(distance_to(end), depth))));
   VoxelWalk<float> behind(p, along, end);
   for (int step = 0; step < kStepsBehind; ++step) {
     const float distance = distance_to(behind.Next());

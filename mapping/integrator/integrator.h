@@ -29,6 +29,7 @@ struct IntegratorParams {
   double behind_min_voxels = 2.0;  ///< lambda_r d is at least this
   double behind_max_m = 0.25;  ///< and at most this: far returns must not thicken walls into the next room
   double miss_nats = 0.4;      ///< -L_min a scan
+  double hit_nats = 0.85;      ///< the voxel that holds a return gains at least this
   double truncation_voxels = 3.0;  ///< TSDF: at scale 1; grows with the scale of integration
   int max_scale = 4;               ///< largest cell side inside a block, voxels: 1, 2 or 4
   bool lossless = false;  ///< collapse only what is equal; else all-free leaves keep their least free value

@@ -25,6 +25,11 @@ void IntegratorParams::Visit(core::ParamVisitor& v) {
   v.Field(
       "miss_nats", &miss_nats,
       {.unit = "nats", .min = 0.05, .max = 2.0, .doc = "evidence of one scan that a voxel is free, -L_min"});
+  v.Field("hit_nats", &hit_nats,
+          {.unit = "nats",
+           .min = 0.05,
+           .max = 3.0,
+           .doc = "least evidence of one scan for the voxel that holds a return"});
   v.Field("truncation_voxels", &truncation_voxels,
           {.unit = "voxels", .min = 1.5, .max = 6.0, .doc = "TSDF truncation at the finest scale"});
   v.Field("max_scale", &max_scale,

@@ -33,11 +33,14 @@ HWY_INLINE V8 Update(D8 d, V8 value, V8 delta) {
   return hn::IfThenElse(cancelled, hn::Set(d, 1), sum);
 }
 
-ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const int8_t* delta, int miss_units) {
+ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
+                  const int8_t* delta, int miss_units) {
   const D8 d;
   const size_t lanes = hn::Lanes(d);
   const V8 zero = hn::Zero(d), none = hn::Set(d, OccupancyField::kNoneObserved);
   const V8 miss = hn::Set(d, static_cast<int8_t>(-miss_units));
+  const V8 weak_miss = hn::Set(d, static_cast<int8_t>(-weak.units)),
+           above = hn::Set(d, static_cast<int8_t>(weak.above));
   V8 max = none, min = hn::Set(d, 127), difference = zero, unknown = zero;
   for (int layer = 0; layer < layers; ++layer) {
     const uint64_t bits = free == nullptr ? ~uint64_t{0} : free[layer];
@@ -45,6 +48,10 @@ ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const int8_t
       const size_t at = 64 * static_cast<size_t>(layer) + i;
       const V8 old = hn::LoadU(d, values + at);
       V8 change = hn::IfThenElseZero(MaskOf(d, bits >> i), miss);
+      if (weak.where != nullptr) {
+        const M8 weaker = hn::And(MaskOf(d, (weak.where[layer] & bits) >> i), hn::Gt(old, above));
+        change = hn::IfThenElse(weaker, weak_miss, change);
+      }
       if (delta != nullptr) {
         const V8 hit = hn::LoadU(d, delta + at);
         change = hn::IfThenElse(hn::Eq(hit, zero), change, hit);
@@ -97,9 +104,9 @@ HWY_EXPORT(Apply);
 HWY_EXPORT(Miss);
 }  // namespace
 
-ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const int8_t* delta,
-                          int miss_units) {
-  return HWY_DYNAMIC_DISPATCH(Apply)(values, layers, free, delta, miss_units);
+ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
+                          const int8_t* delta, int miss_units) {
+  return HWY_DYNAMIC_DISPATCH(Apply)(values, layers, free, weak, delta, miss_units);
 }
 
 uint64_t ApplyMiss(int8_t* values, uint64_t which, int miss_units) {

@@ -14,10 +14,17 @@ struct ApplyResult {
   bool changed = false;
 };
 
+/// Free voxels that lose `units` instead, where they hold more than `above`.
+struct WeakMisses {
+  const uint64_t* where = nullptr;  ///< a bit a value; null for none
+  int units = 0, above = 0;
+};
+
 /// `layers` times 64 values. Where delta (may be null) is not 0, adds it; else where a bit of free (may be
-/// null for all) is set, subtracts miss_units. Clamped; known evidence that cancels is held as 1.
-ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const int8_t* delta,
-                          int miss_units);
+/// null for all) is set, subtracts miss_units or what `weak` says. Clamped; known evidence that cancels is
+/// held as 1.
+ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
+                          const int8_t* delta, int miss_units);
 
 /// The same miss on those of 64 values whose bit is set; returns the bits that changed.
 uint64_t ApplyMiss(int8_t* values, uint64_t which, int miss_units);

@@ -207,7 +207,7 @@ class RayIntegrator final : public ScanIntegrator<Field> {
           delta[64 * z + static_cast<size_t>(__builtin_ctzll(bits))] = static_cast<int8_t>(hit_units_);
         }
       }
-      writer->UpdateFine(index, block.free, any_hit != 0 ? delta : nullptr);
+      writer->UpdateFine(index, block.free, {}, any_hit != 0 ? delta : nullptr);
     } else {
       std::array<int16_t, kBlockVoxels> measured;
       if (block.distances != 0) {
@@ -218,7 +218,7 @@ class RayIntegrator final : public ScanIntegrator<Field> {
           if (!Kept(v)) measured[static_cast<size_t>(i)] = kNoDistance;
         }
       }
-      writer->UpdateFine(index, block.free, block.distances != 0 ? measured.data() : nullptr);
+      writer->UpdateFine(index, block.free, {}, block.distances != 0 ? measured.data() : nullptr);
     }
   }
 

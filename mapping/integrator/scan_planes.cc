@@ -21,7 +21,7 @@ constexpr int kWidestColumns = 8, kWidestRows = 4;
 constexpr float kBendShare = 0.25f;    ///< of the slopes: what two sides of one plane may differ by
 constexpr float kRangeNoiseM = 0.06f;  ///< of a second difference of ranges
 constexpr float kStepSlope = 4.0f;     ///< steeper on both sides, apart: a thin thing or a gap
-constexpr float kGrazing = 25.0f;      ///< greatest 1 / cos(incidence) that counts
+constexpr float kGrazing = 60.0f;      ///< greatest 1 / cos(incidence) that counts
 
 /// d(range) / d(angle) / range on one side, where that side has a hit.
 struct Side {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "mapping/integrator/integrator.h"
 
@@ -9,6 +10,7 @@ namespace atlas::mapping {
 
 struct SurfaceModel {
   float miss_units = 8.0f;        ///< -L_min
+  int hit_units = 17;             ///< least of the voxel that holds the return
   float sigma_min_voxels = 0.3f;  ///< sigma(d) = max(sigma_min, lambda_sigma d)
   float lambda_sigma = 0.0005f;
   float lambda_r = 0.02f;          ///< occupied depth behind the surface, a share of the range ...
@@ -18,6 +20,7 @@ struct SurfaceModel {
   static SurfaceModel Of(const IntegratorParams& params, double resolution_m) {
     SurfaceModel m;
     m.miss_units = static_cast<float>(params.miss_nats / OccupancyField::kNatsPerUnit);
+    m.hit_units = static_cast<int>(std::lround(params.hit_nats / OccupancyField::kNatsPerUnit));
     m.sigma_min_voxels = static_cast<float>(params.sigma_min_m / resolution_m);
     m.lambda_sigma = static_cast<float>(params.lambda_sigma);
     m.lambda_r = static_cast<float>(params.lambda_r);
