@@ -141,7 +141,7 @@ std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDeci
   const MissionParams& mission = m.config.mission;
   if (decision.outcome == NbvOutcome::kGainExhausted) {
     return Ending{m.metrics.CoverageIsFlat() ? RunStatus::kCompleted : RunStatus::kBudget,
-                  m.config.planner.roadmap ? StopReason::kExplored : StopReason::kGainExhausted};
+                  m.scene.is_space ? StopReason::kExplored : StopReason::kGainExhausted};
   }
   if (decision.outcome != NbvOutcome::kView) return Ending{RunStatus::kStuck, StopReason::kNoCandidates};
   if (m.metrics.scans() >= mission.max_scans) return Ending{RunStatus::kBudget, StopReason::kScanBudget};

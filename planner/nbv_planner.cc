@@ -20,7 +20,10 @@ using core::Pose;
 using core::Vec2;
 using core::Vec3;
 
-constexpr double kLatticeSpacing_m = 0.5;
+/// Longest step through a passage in which the robot cannot turn.
+constexpr double kPassage_m = 1.6;
+/// From the end of the way here, the robot retreats along it.
+constexpr double kOffTheWay_m = 0.5;
 /// A view counts as the committed one within this distance and turn.
 constexpr double kSameView_m = 0.5;
 constexpr double kSameView_rad = core::Radians(50.0);
@@ -60,6 +63,7 @@ class Planner final : public NbvPlanner {
         evaluator_(sensor, object_box, {GainsAsked(params), params.rays, params.max_range_m}),
         threads_(threads),
         rng_(rng.Split("nbv_planner")),
+        roadmap_(params.lattice_m),
         termination_({params.stop_ratio, params.flat_share, params.stop_rounds, params.flat_rounds}) {
     traversal_.time_scale_s = params.time_scale_s;
     traversal_.slope_scale_rad = core::Radians(params.terrain.critical_slope_deg);
@@ -91,7 +95,7 @@ class Planner final : public NbvPlanner {
   int threads_;
   core::Rng rng_;
   ViewMemory memory_;
-  Roadmap roadmap_{kLatticeSpacing_m};
+  Roadmap roadmap_;
   Termination termination_;
   std::vector<Vec2> way_here_;  ///< the path of the latest view
   int plans_ = 0;
@@ -135,7 +139,8 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
 CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng) {
   if (params_.name == "greedy") {
     // A lattice misses no corner that an RRT happens not to fill.
-    CandidateTree lattice = LatticeCandidates(walkable, kLatticeSpacing_m);
+    CandidateTree lattice =
+        LatticeCandidates(walkable, params_.lattice_m, params_.roadmap ? kPassage_m : 0.0);
     if (params_.roadmap) {
       roadmap_.Learn(lattice);
       roadmap_.Extend(&lattice);
@@ -246,7 +251,7 @@ std::vector<int> Planner::RankViews(NbvDecision* decision) const {
 /// it came is known to be, and leads back to the view before. Once: a second time there are no candidates.
 void Planner::Retreat(const Pose& T_map_base, NbvDecision* decision) {
   const Vec2 here = T_map_base.translation().head<2>();
-  if (way_here_.size() < 2 || (way_here_.back() - here).norm() > kLatticeSpacing_m) return;
+  if (way_here_.size() < 2 || (way_here_.back() - here).norm() > kOffTheWay_m) return;
   std::reverse(way_here_.begin(), way_here_.end());
   way_here_.front() = here;
   decision->path_map = std::move(way_here_);
@@ -293,6 +298,7 @@ NbvParams DefaultParams(const std::string& name) {
     params.gain_share = 1.0;
     params.traversal = "discrete";
     params.window_m = 12.0;
+    params.roadmap = false;
   }
   params.terrain.window_m = params.window_m;
   if (name == "thesis" || name == "greedy") return params;

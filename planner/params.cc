@@ -65,6 +65,8 @@ void NbvParams::Visit(core::ParamVisitor& v) {
            .doc = "side of the square around the robot that planning may use"});
   v.Field("roadmap", &roadmap,
           {.doc = "greedy: places that earlier plans found walkable stay candidates beyond the window"});
+  v.Field("lattice_m", &lattice_m,
+          {.unit = "m", .min = 0.1, .max = 5.0, .doc = "greedy: spacing of the places considered"});
   v.Field("rrt_step_m", &rrt_step_m, {.unit = "m", .min = 0.1, .max = 5.0, .doc = "longest edge of the RRT"});
   v.Field("headings", &headings, {.min = 1, .max = 64, .doc = "headings evaluated at every place"});
   v.Field("rays", &rays,

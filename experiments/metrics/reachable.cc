@@ -184,6 +184,9 @@ std::vector<uint8_t> CirclesFree(const ReachableSet& set, const std::vector<uint
   return free;
 }
 
+/// Kept free on either side of the robot where it walks straight on (TerrainParams::edge_clearance_m).
+constexpr double kSideClearance_m = 0.10;
+
 /// Free cells connected to the free cell nearest the spawn (within the robot's circle of it).
 void FloodCenters(const std::vector<uint8_t>& free, const Vec3& spawn, double radius_m, ReachableSet* set) {
   double nearest = radius_m;
@@ -247,7 +250,11 @@ ReachableSet FindReachable(const scenes::SceneSpec& scene, const robots::RobotSp
   const Vec3 spawn = scene.T_map_spawn.translation();
   FloodGround(CutScene(scene, set, region), robot, spawn, &set);
   const std::vector<uint8_t> firm = FirmGround(set, robot, options);
-  FloodCenters(CirclesFree(set, firm, robot.footprint_radius_m), spawn, robot.footprint_radius_m, &set);
+  // It passes where its width fits, and stands, free to turn, where its circle does.
+  FloodCenters(CirclesFree(set, firm, robot.half_width_m + kSideClearance_m), spawn, robot.footprint_radius_m,
+               &set);
+  const std::vector<uint8_t> standable = CirclesFree(set, firm, robot.footprint_radius_m);
+  for (size_t i = 0; i < cells; ++i) set.reachable[i] &= standable[i];
   return set;
 }
 

@@ -3,7 +3,7 @@
 // The scene's triangles are cut to the columns of a grid, so each column knows the heights at which something
 // is. A flood of the ground starts under the spawn and climbs from column to column by at most the robot's
 // step; walls, edges, holes and low ceilings end it. The robot's centre may stand where its circle lies
-// wholly on that ground.
+// wholly on that ground, and gets there through passages that are wide enough to walk straight on.
 #pragma once
 
 #include <vector>

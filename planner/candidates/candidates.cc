@@ -52,7 +52,7 @@ CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, 
   return result;
 }
 
-CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m) {
+CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m, double passage_m) {
   using Cell = std::pair<int, int>;
   struct Entry {
     double length_m;
@@ -67,15 +67,28 @@ CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m) {
   std::map<Cell, int> done;
   CandidateTree tree;
 
+  const auto try_step = [&](const Vec2& from, double length_m, const Cell& next, int parent) {
+    if (done.contains(next)) return;
+    const Vec2 p = point_of(next);
+    ++tree.attempts;
+    if (!walkable.CanStand(p) || !walkable.CanStep(from, p)) return;
+    open.push({length_m + (p - from).norm(), next, parent});
+  };
   const auto expand = [&](const Vec2& from, double length_m, const Cell& centre, int reach, int parent) {
     for (int dx = -reach; dx <= reach; ++dx) {
       for (int dy = -reach; dy <= reach; ++dy) {
+        try_step(from, length_m, {centre.first + dx, centre.second + dy}, parent);
+      }
+    }
+  };
+  const int far = static_cast<int>(std::floor(passage_m / spacing_m));
+  /// Steps across ground where the robot cannot turn.
+  const auto expand_passages = [&](const Vec2& from, double length_m, const Cell& centre, int parent) {
+    for (int dx = -far; dx <= far; ++dx) {
+      for (int dy = -far; dy <= far; ++dy) {
+        if (std::max(std::abs(dx), std::abs(dy)) < 2 || std::hypot(dx, dy) * spacing_m > passage_m) continue;
         const Cell next{centre.first + dx, centre.second + dy};
-        if (done.contains(next)) continue;
-        const Vec2 p = point_of(next);
-        ++tree.attempts;
-        if (!walkable.CanStand(p) || !walkable.CanStep(from, p)) continue;
-        open.push({length_m + (p - from).norm(), next, parent});
+        if (!walkable.CanStand(0.5 * (from + point_of(next)))) try_step(from, length_m, next, parent);
       }
     }
   };
@@ -91,6 +104,7 @@ CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m) {
     const Vec2 p = point_of(entry.cell);
     tree.nodes.push_back({p, entry.parent, entry.length_m, walkable.ground().SurfaceAt(p).height_m});
     expand(p, entry.length_m, entry.cell, 1, static_cast<int>(tree.nodes.size()) - 1);
+    if (far > 1) expand_passages(p, entry.length_m, entry.cell, static_cast<int>(tree.nodes.size()) - 1);
   }
   return tree;
 }

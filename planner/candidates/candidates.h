@@ -29,8 +29,9 @@ struct CandidateTree {
 CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, const core::Rng& rng);
 
 /// Every point of a lattice with this spacing (multiples of it in the map, so that places repeat between
-/// plans) that can be reached by free steps between neighbours; each with its shortest way.
-CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m);
+/// plans) that can be reached by free steps between neighbours; each with its shortest way. Where the robot
+/// fits on its way but could not turn (a doorway), steps of up to `passage_m` lead through.
+CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m, double passage_m = 0.0);
 
 /// At most `count` indices of nodes that are spread out: repeatedly the one farthest from all chosen so far
 /// and from `start` (ties: the lower index).

@@ -1,8 +1,8 @@
 // Ground that plans found walkable, kept beyond the window of the terrain map.
 //
-// The terrain map rolls with the robot; what lies behind it is forgotten. The roadmap keeps the lattice places
-// of earlier plans and the steps between them, so that a view in another room stays a candidate, and the way
-// there is known (thesis 3.5 plans in the window only; 4.1 asks for the whole environment).
+// The terrain map rolls with the robot; what lies behind it is forgotten. The roadmap keeps the lattice
+// places of earlier plans and the steps between them, so that a view in another room stays a candidate, and
+// the way there is known (thesis 3.5 plans in the window only; 4.1 asks for the whole environment).
 #pragma once
 
 #include <map>
@@ -21,8 +21,8 @@ class Roadmap {
   /// Learns the places of a plan's tree and the steps of it.
   void Learn(const CandidateTree& tree);
 
-  /// Appends to `tree` every place that known steps join to it, each by its shortest way. Indices and order of
-  /// the nodes before stay.
+  /// Appends to `tree` every place that known steps join to it, each by its shortest way. Indices and order
+  /// of the nodes before stay.
   void Extend(CandidateTree* tree) const;
 
   size_t size() const { return places_.size(); }

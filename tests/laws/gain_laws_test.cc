@@ -61,6 +61,19 @@ class GainLaw : public testing::TestWithParam<std::string> {
   const GainEntry& entry() const { return FindGain(GetParam()); }
 };
 
+// Laws that a gain declares.
+class ZeroOnCertainRaysLaw : public GainLaw {};
+class AtMostOcclusionAwareLaw : public GainLaw {};
+class IndependentOfVoxelSizeLaw : public GainLaw {};
+
+std::vector<std::string> Declaring(bool GainLaws::*law) {
+  std::vector<std::string> names;
+  for (const GainEntry& entry : GainCatalog()) {
+    if (entry.laws.*law) names.push_back(entry.name);
+  }
+  return names;
+}
+
 TEST_P(GainLaw, IsFiniteAndNeverNegative) {
   const auto gain = entry().build(kRes);
   for (uint64_t seed = 1; seed <= 200; ++seed) {
@@ -71,14 +84,12 @@ TEST_P(GainLaw, IsFiniteAndNeverNegative) {
   EXPECT_EQ(GainOf(gain.get(), {RandomRay{}}), 0.0) << "a ray without voxels";
 }
 
-TEST_P(GainLaw, CertainRayGainsNothing) {
-  if (!entry().laws.zero_on_certain_rays) GTEST_SKIP() << "not declared";
+TEST_P(ZeroOnCertainRaysLaw, CertainRayGainsNothing) {
   const auto gain = entry().build(kRes);
   for (uint64_t seed = 1; seed <= 50; ++seed) EXPECT_EQ(GainOf(gain.get(), DrawView(seed, true)), 0.0);
 }
 
-TEST_P(GainLaw, NeverExceedsOcclusionAware) {
-  if (!entry().laws.at_most_occlusion_aware) GTEST_SKIP() << "not declared";
+TEST_P(AtMostOcclusionAwareLaw, NeverExceedsOcclusionAware) {
   const auto gain = entry().build(kRes), ceiling = FindGain("occlusion_aware").build(kRes);
   for (uint64_t seed = 1; seed <= 200; ++seed) {
     const auto rays = DrawView(seed, false);
@@ -86,8 +97,7 @@ TEST_P(GainLaw, NeverExceedsOcclusionAware) {
   }
 }
 
-TEST_P(GainLaw, DoesNotDependOnVoxelSize) {
-  if (!entry().laws.independent_of_voxel_size) GTEST_SKIP() << "not declared";
+TEST_P(IndependentOfVoxelSizeLaw, DoesNotDependOnVoxelSize) {
   const auto coarse = entry().build(kRes), fine = entry().build(kRes / 4.0);
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     const auto rays = DrawView(seed, false);
@@ -154,6 +164,12 @@ TEST_P(GainLaw, HasADocLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, GainLaw, testing::ValuesIn(GainNames()));
+INSTANTIATE_TEST_SUITE_P(Declared, ZeroOnCertainRaysLaw,
+                         testing::ValuesIn(Declaring(&GainLaws::zero_on_certain_rays)));
+INSTANTIATE_TEST_SUITE_P(Declared, AtMostOcclusionAwareLaw,
+                         testing::ValuesIn(Declaring(&GainLaws::at_most_occlusion_aware)));
+INSTANTIATE_TEST_SUITE_P(Declared, IndependentOfVoxelSizeLaw,
+                         testing::ValuesIn(Declaring(&GainLaws::independent_of_voxel_size)));
 
 }  // namespace
 }  // namespace atlas::planner
