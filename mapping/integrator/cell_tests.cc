@@ -88,7 +88,7 @@ HWY_INLINE Verdict TestAround(DF d, const CellImages& images, const GridPoint& p
   const VI window = hn::ConvertTo(di, hn::Add(hn::Mul(hn::Min(upper, last), hn::Set(d, images.pitch)), left));
   const VF around = hn::GatherIndex(d, images.around, window);
   const uint32_t clear = BitsOf(d, hn::Lt(p.distance, around)) & in;
-  if (clear == in) return {clear, 0};
+  if (clear == in || images.pierce2 == 0.0f) return {clear, 0};
 
   const VF row = hn::Min(hn::Floor(hn::Add(v, half)), hn::Set(d, images.rows_end - 0.5f));
   const VF column = hn::Floor(hn::Add(p.u, half));
@@ -146,58 +146,65 @@ HWY_INLINE GroupBits TestGroups(const CellImages& images, const Lattice& lattice
   return out;
 }
 
-template <typename Projector>
-HWY_INLINE void TestLayers(const CellImages& images, const Lattice& lattice, const Projector& projector,
-                           VoxelBits* free) {
-  for (int z = 0; z < 8; ++z) {
-    float first[3];
-    for (int c = 0; c < 3; ++c) first[c] = lattice.first[c] + static_cast<float>(z) * lattice.step_z[c];
-    const GroupBits bits = TestGroups(images, lattice, projector, first, lattice.step_y, 4);
-    free->layer[static_cast<size_t>(z)] = bits.clear | bits.pierced;
+/// Spreads the 4^3 voxels of an octant, x fastest, over the block's layers.
+HWY_INLINE void SetOctant(int octant, uint64_t voxels, VoxelBits* free) {
+  const int shift = 4 * (octant & 1) + 32 * (octant >> 1 & 1);
+  for (int z = 0; z < 4; ++z) {
+    uint64_t layer = voxels >> (16 * z) & 0xffff;  // bit x + 4 y to bit x + 8 y
+    layer = (layer | layer << 8) & 0x00ff00ff;
+    layer = (layer | layer << 4) & 0x0f0f0f0f;
+    free->layer[static_cast<size_t>(4 * (octant >> 2) + z)] |= layer << shift;
   }
 }
 
-void TestBlockVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, VoxelBits* free) {
+template <typename Projector>
+HWY_INLINE void TestOctants(const CellImages& images, const Lattice& lattice, const float step_x[3],
+                            const Projector& projector, uint32_t octants, VoxelBits* free) {
+  for (; octants != 0; octants &= octants - 1) {
+    const int octant = __builtin_ctz(octants);
+    const auto x = static_cast<float>(4 * (octant & 1)), y = static_cast<float>(2 * (octant >> 1 & 1)),
+               z = static_cast<float>(4 * (octant >> 2));
+    float first[3];
+    for (int c = 0; c < 3; ++c) {
+      first[c] = lattice.first[c] + x * step_x[c] + y * lattice.step_y[c] + z * lattice.step_z[c];
+    }
+    const GroupBits bits = TestGroups(images, lattice, projector, first, lattice.step_z, 4);
+    SetOctant(octant, bits.clear | bits.pierced, free);
+  }
+}
+
+void TestBlockVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, uint32_t octants,
+                     VoxelBits* free) {
   const Place place = PlaceOf(frame, corner, kBlockSide);
   const CellImages images = ImagesFor(image, frame, place.distance, 1);
-  const Lattice lattice = LatticeOf(frame, frame.lanes_1, corner, 1, place.turn);
+  const Lattice lattice = LatticeOf(frame, frame.lanes_1_octant, corner, 1, place.turn);
+  float step_x[3];
+  Turn(place.turn, frame.axis[0], step_x);
   if (place.near) {
-    TestLayers(images, lattice, NearProjector{*image.grid}, free);
+    TestOctants(images, lattice, step_x, NearProjector{*image.grid}, octants, free);
   } else {
     FarProjector projector;
     SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
-    TestLayers(images, lattice, projector, free);
+    TestOctants(images, lattice, step_x, projector, octants, free);
   }
 }
 
-/// 4 groups of an octant's voxels, or of a block's cells of 2^3; one of cells of 4^3.
-HWY_INLINE GroupBits TestPart(const ScanImage& image, const ScanFrame& frame, const ScanFrame::Lanes& lanes,
-                              const NodeKey& corner, int side, int scale) {
-  const Place place = PlaceOf(frame, corner, side);
+uint64_t TestBlockCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale) {
+  const Place place = PlaceOf(frame, corner, kBlockSide);
   const CellImages images = ImagesFor(image, frame, place.distance, scale);
-  const Lattice lattice = LatticeOf(frame, lanes, corner, scale, place.turn);
+  const ScanFrame::Lanes& lanes = scale == 4 ? frame.lanes_4 : frame.lanes_2;
   if (place.near || scale == 4) {
     const float still[2] = {1.0f, 0.0f};
-    const Lattice unturned = LatticeOf(frame, lanes, corner, scale, still);
-    return TestGroups(images, unturned, NearProjector{*image.grid}, unturned.first, unturned.step_z,
-                      scale == 4 ? 1 : 4);
+    const Lattice lattice = LatticeOf(frame, lanes, corner, scale, still);
+    const uint64_t free = TestGroups(images, lattice, NearProjector{*image.grid}, lattice.first,
+                                     lattice.step_z, scale == 4 ? 1 : 4)
+                              .clear;
+    return scale == 4 ? free & 0xff : free;
   }
+  const Lattice lattice = LatticeOf(frame, lanes, corner, scale, place.turn);
   FarProjector projector;
   SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
-  return TestGroups(images, lattice, projector, lattice.first, lattice.step_z, 4);
-}
-
-uint64_t TestOctantVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner) {
-  const GroupBits bits = TestPart(image, frame, frame.lanes_1_octant, corner, 4, 1);
-  return bits.clear | bits.pierced;
-}
-
-CoarseVerdict TestBlockCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
-                             int scale) {
-  const GroupBits bits =
-      TestPart(image, frame, scale == 4 ? frame.lanes_4 : frame.lanes_2, corner, kBlockSide, scale);
-  const uint64_t cells = scale == 4 ? 0xff : ~uint64_t{0};
-  return {bits.clear & cells, bits.pierced & cells};
+  return TestGroups(images, lattice, projector, lattice.first, lattice.step_z, 4).clear;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -208,7 +215,6 @@ HWY_AFTER_NAMESPACE();
 namespace atlas::mapping {
 namespace {
 HWY_EXPORT(TestBlockVoxels);
-HWY_EXPORT(TestOctantVoxels);
 HWY_EXPORT(TestBlockCells);
 }  // namespace
 
@@ -229,15 +235,12 @@ void ScanFrame::SetLanes() {
   set(4, 2, 2, &lanes_4);
 }
 
-void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, VoxelBits* free) {
-  HWY_DYNAMIC_DISPATCH(TestBlockVoxels)(image, frame, corner, free);
+void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, uint32_t octants,
+                VoxelBits* free) {
+  HWY_DYNAMIC_DISPATCH(TestBlockVoxels)(image, frame, corner, octants, free);
 }
 
-uint64_t TestOctant(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner) {
-  return HWY_DYNAMIC_DISPATCH(TestOctantVoxels)(image, frame, corner);
-}
-
-CoarseVerdict TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale) {
+uint64_t TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale) {
   return HWY_DYNAMIC_DISPATCH(TestBlockCells)(image, frame, corner, scale);
 }
 

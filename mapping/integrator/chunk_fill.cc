@@ -38,17 +38,6 @@ uint64_t ToCells(uint64_t octants) {
   return out;
 }
 
-/// Sets the 4^3 voxels of an octant among `free` from their bits, x fastest.
-void SetOctant(int octant, uint64_t voxels, VoxelBits* free) {
-  const int shift = 4 * (octant & 1) + 32 * (octant >> 1 & 1);
-  for (int z = 0; z < 4; ++z) {
-    uint64_t layer = voxels >> (16 * z) & 0xffff;  // bit x + 4 y to bit x + 8 y
-    layer = (layer | layer << 8) & 0x00ff00ff;
-    layer = (layer | layer << 4) & 0x0f0f0f0f;
-    free->layer[static_cast<size_t>(4 * (octant >> 2) + z)] |= layer << shift;
-  }
-}
-
 /// The free voxels beside voxels that are not: a surface that beams pass closely may run through those.
 /// Beyond a block's sides all is as at the sides.
 VoxelBits EdgeOf(const VoxelBits& free) {
@@ -124,6 +113,7 @@ class Filler {
       : context_(context),
         work_(work),
         chunk_(chunk),
+        map_(map),
         writer_(context.rules, worker, map, chunk),
         evidence_(context, work_) {
     corner_ = {work.window.x * kChunkSide, work.window.y * kChunkSide, work.window.z * kChunkSide};
@@ -188,9 +178,11 @@ class Filler {
     }
     const bool mixed = work_.mixed.Test(block);
     const bool by_voxel = !inside || cone == 1 || HoldsSurface(block);
-    if (mixed && !by_voxel && evidence == nullptr && FillCoarse(block, cone)) return;
+    if (mixed && !by_voxel && evidence == nullptr && !chunk_->fine.Test(block)) {
+      return FillCoarse(block, FreeCells(block, cone));
+    }
     VoxelBits free{};
-    if (mixed) free = by_voxel ? FreeVoxels(block) : FreeVoxelsByCells(block, cone);
+    if (mixed) free = by_voxel ? FreeVoxels(block) : ToVoxels(FreeCells(block, cone));
     if (!inside) {
       Keep(block, &free);
       if (evidence != nullptr) evidence = Keep(block, evidence);
@@ -209,53 +201,40 @@ class Filler {
     }
   }
 
-  /// Cells of 2 or 4 voxels in a block without a fine leaf; false where some are doubtful or there is a leaf.
-  bool FillCoarse(int block, int scale) {
-    if (chunk_->fine.Test(block)) return false;
-    const CoarseVerdict verdict = Verdict(block, scale);
-    if (verdict.doubtful != 0) return false;
-    if (verdict.free == 0) return true;
-    if (~verdict.free == 0 && chunk_->Kind(block) == BlockKind::kUniform) {
+  /// Free cells of 2 or 4 voxels.
+  void FillCoarse(int block, uint64_t cells) {
+    if (cells == 0) return;
+    if (~cells == 0 && chunk_->Kind(block) == BlockKind::kUniform) {
       FreeUniform(block);
     } else {
-      writer_.FreeCoarse(block, verdict.free);
+      writer_.FreeCoarse(block, cells);
     }
-    return true;
   }
 
   /// In cells of 2^3, whatever the scale.
-  CoarseVerdict Verdict(int block, int scale) {
-    CoarseVerdict& v = verdict_;
-    if (verdict_block_ == block) return v;
-    verdict_block_ = block;
-    v = TestCells(*context_.image, *context_.frame, CornerOf(block), scale);
-    if (scale == 4) v = {ToCells(v.free), ToCells(v.doubtful)};
-    return v;
+  uint64_t FreeCells(int block, int scale) const {
+    const uint64_t cells = TestCells(*context_.image, *context_.frame, CornerOf(block), scale);
+    return scale == 4 ? ToCells(cells) : cells;
   }
 
+  /// Octants are tested as a whole first; those that are as free as can be need no test.
   VoxelBits FreeVoxels(int block) const {
-    VoxelBits free;
-    TestVoxels(*context_.image, *context_.frame, CornerOf(block), &free);
-    return free;
-  }
-
-  /// Coarse cells where no beam objects; the octants where some do, voxel by voxel.
-  VoxelBits FreeVoxelsByCells(int block, int scale) {
-    const CoarseVerdict verdict = Verdict(block, scale);
-    VoxelBits free = ToVoxels(verdict.free);
-    if (verdict.doubtful == 0) return free;
     const NodeKey corner = CornerOf(block);
-    VoxelBits pierced{};
-    for (int octant = 0; octant < 8; ++octant) {
-      const int x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
-      if ((verdict.doubtful >> (2 * x + 8 * y + 32 * z) & 0x330033) == 0) continue;
-      SetOctant(octant,
-                TestOctant(*context_.image, *context_.frame,
-                           {corner.x + 4 * x, corner.y + 4 * y, corner.z + 4 * z}),
-                &pierced);
+    float x[16], y[16], z[16];
+    for (int i = 0; i < 16; ++i) {
+      x[i] = static_cast<float>(corner.x + 2 + 4 * (i & 1));
+      y[i] = static_cast<float>(corner.y + 2 + 4 * (i >> 1 & 1));
+      z[i] = static_cast<float>(corner.z + 2 + 4 * (i >> 2 & 1));
     }
-    const VoxelBits doubtful = ToVoxels(verdict.doubtful);
-    for (size_t i = 0; i < 8; ++i) free.layer[i] |= pierced.layer[i] & doubtful.layer[i];
+    uint32_t mixed, full;
+    TestBoxes(*context_.image, *context_.frame, x, y, z, 2.0f, &mixed, &full);
+    full &= 0xff;
+    if constexpr (std::is_same_v<Field, OccupancyField>) {
+      if (chunk_->fine.Test(block)) full |= SaturatedOctants(map_->Fine(*chunk_, block).log_odds);
+    }
+    VoxelBits free = ToVoxels(ToCells(full));
+    mixed &= 0xff & ~full;
+    if (mixed != 0) TestVoxels(*context_.image, *context_.frame, corner, mixed, &free);
     return free;
   }
 
@@ -328,11 +307,10 @@ class Filler {
   const FillContext& context_;
   ChunkWork work_;
   Chunk* const chunk_;
+  const Octree<Field>* const map_;
   BlockWriter<Field> writer_;
   typename EvidenceOf<Field>::Type evidence_;
   NodeKey corner_;
-  int verdict_block_ = -1;
-  CoarseVerdict verdict_ = {};
   alignas(64) Evidence kept_evidence_[kBlockVoxels];
 };
 

@@ -47,18 +47,14 @@ struct VoxelBits {
   std::array<uint64_t, kBlockSide> layer;
 };
 /// A cell is free if its nearest beam returned behind it and no beam around it returned in front of it. Where
-/// beams around it did, a cell is still free if its own beam pierces it; that holds for voxels only, so
-/// larger cells are `doubtful` then.
+/// beams around it did, a voxel is still free if its own beam pierces it, unless beams are voxels apart
+/// there.
 /// @{
-/// All voxels of the block with this corner.
-void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, VoxelBits* free);
-/// The 4^3 voxels of an octant with this corner: a bit each, x fastest.
-uint64_t TestOctant(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner);
+/// Adds the free voxels of these octants (4^3 voxels each, x fastest) of the block with this corner.
+void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, uint32_t octants,
+                VoxelBits* free);
 /// Cells of 2^3 (64 bits) or 4^3 voxels (8 bits) of a block, x fastest. @pre scale is 2 or 4.
-struct CoarseVerdict {
-  uint64_t free, doubtful;
-};
-CoarseVerdict TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale);
+uint64_t TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale);
 /// @}
 
 /// Signed distances of a block's voxels to the planes of their nearest beams, in `unit_m` clamped to

@@ -73,12 +73,21 @@ HitBlock* HitScatter::BlockAt(const NodeKey& voxel) {
   return &blocks_[hits.slot[static_cast<size_t>(block)]];
 }
 
+int8_t* HitScatter::EvidenceOf(const NodeKey& voxel) {
+  if (((voxel.x ^ last_voxel_.x) | (voxel.y ^ last_voxel_.y) | (voxel.z ^ last_voxel_.z)) >> kBlockLevel !=
+      0) {
+    last_block_ = BlockAt(voxel);
+    last_voxel_ = voxel;
+  }
+  return &last_block_->delta[VoxelIndex(voxel.x, voxel.y, voxel.z)];
+}
+
 void HitScatter::Raise(const NodeKey& voxel, int delta) {
-  if (voxel.x < keep_min_.x || voxel.y < keep_min_.y || voxel.z < keep_min_.z || voxel.x >= keep_max_.x ||
-      voxel.y >= keep_max_.y || voxel.z >= keep_max_.z) {
+  if (!all_kept_ && (voxel.x < keep_min_.x || voxel.y < keep_min_.y || voxel.z < keep_min_.z ||
+                     voxel.x >= keep_max_.x || voxel.y >= keep_max_.y || voxel.z >= keep_max_.z)) {
     return;
   }
-  int8_t& held = BlockAt(voxel)->delta[VoxelIndex(voxel.x, voxel.y, voxel.z)];
+  int8_t& held = *EvidenceOf(voxel);
   if (held == 0 || delta > held) held = static_cast<int8_t>(delta);
 }
 
@@ -91,6 +100,7 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
       static_cast<size_t>(window_[0]) * static_cast<size_t>(window_[1]) * static_cast<size_t>(window_[2]), 0);
   chunks_used_ = 1;  // 0 marks none
   blocks_used_ = 0;
+  last_voxel_ = {-1, -1, -1};  // in no block of the window
   if (chunks_.empty()) chunks_.resize(1);
   for (size_t i = 0; i < image.range.size(); ++i) {
     if (image.range[i] > 0.0f) ScatterHit(frame, model, HitOfCell(image, frame, i));
@@ -129,22 +139,25 @@ HitScatter::Hit HitScatter::HitOfSpare(const ScanImage& image, const ScanFrame& 
   return hit;
 }
 
-bool HitScatter::MayReachKept(const float* p) const {
+HitScatter::Reach HitScatter::ReachOf(const float* p) const {
   constexpr float kReach = std::max(kStepsInFront, kStepsBehind) + 1;
   const int32_t low[3] = {keep_min_.x, keep_min_.y, keep_min_.z};
   const int32_t high[3] = {keep_max_.x, keep_max_.y, keep_max_.z};
-  bool reaches = true;
+  bool some = true, all = true;
   for (int a = 0; a < 3; ++a) {
-    reaches =
-        reaches && p[a] > static_cast<float>(low[a]) - kReach && p[a] < static_cast<float>(high[a]) + kReach;
+    const auto first = static_cast<float>(low[a]), last = static_cast<float>(high[a]);
+    some = some && p[a] > first - kReach && p[a] < last + kReach;
+    all = all && p[a] >= first + kReach && p[a] < last - kReach;
   }
-  return reaches;
+  return all ? Reach::kKept : some ? Reach::kCut : Reach::kDropped;
 }
 
 void HitScatter::ScatterHit(const ScanFrame& frame, const SurfaceModel& model, const Hit& hit) {
   const float range = hit.range, per_range = 1.0f / range;
   const float p[3] = {frame.sensor[0] + hit.w[0], frame.sensor[1] + hit.w[1], frame.sensor[2] + hit.w[2]};
-  if (!MayReachKept(p)) return;
+  const Reach reach = ReachOf(p);
+  if (reach == Reach::kDropped) return;
+  all_kept_ = reach == Reach::kKept;
   const float along[3] = {hit.w[0] * per_range, hit.w[1] * per_range, hit.w[2] * per_range};
   const float back[3] = {-along[0], -along[1], -along[2]};
   const float(&n)[3] = hit.n;
@@ -158,7 +171,10 @@ void HitScatter::ScatterHit(const ScanFrame& frame, const SurfaceModel& model, c
     return std::clamp(rounded != 0 ? rounded : distance < 0.0f ? -1 : 1, -127, 127);
   };
   const NodeKey end{static_cast<int32_t>(p[0]), static_cast<int32_t>(p[1]), static_cast<int32_t>(p[2])};
-  Raise(end, std::max(model.hit_units, units(std::min(distance_to(end), depth))));
+  const int at_end = std::max(model.hit_units, units(std::min(distance_to(end), depth)));
+  // Where hits are many, the first ones that say most of their voxel speak for what lies around it.
+  if (all_kept_ && *EvidenceOf(end) > at_end) return;
+  Raise(end, at_end);
   VoxelWalk<float> behind(p, along, end);
   for (int step = 0; step < kStepsBehind; ++step) {
     const float distance = distance_to(behind.Next());

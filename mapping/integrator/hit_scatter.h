@@ -49,8 +49,10 @@ class HitScatter {
   Hit HitOfSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare) const;
   void ScatterHit(const ScanFrame& frame, const SurfaceModel& model, const Hit& hit);
   HitBlock* BlockAt(const NodeKey& voxel);
-  /// Whether a hit at `p` (window voxels) may touch a voxel that is kept.
-  bool MayReachKept(const float* p) const;
+  /// Which of the voxels that a hit at `p` (window voxels) may touch are kept.
+  enum class Reach : uint8_t { kDropped, kCut, kKept };
+  Reach ReachOf(const float* p) const;
+  int8_t* EvidenceOf(const NodeKey& voxel);
   void Raise(const NodeKey& voxel, int delta);
 
   std::vector<float> wx_, wy_, wz_;  ///< ends of the hits from the sensor, voxels along the map's axes
@@ -59,7 +61,9 @@ class HitScatter {
   std::vector<HitBlock> blocks_;
   size_t blocks_used_ = 0, chunks_used_ = 0;
   std::array<int, 3> window_ = {};
-  NodeKey keep_min_, keep_max_;
+  NodeKey keep_min_, keep_max_, last_voxel_;
+  HitBlock* last_block_ = nullptr;  ///< of last_voxel_
+  bool all_kept_ = false;           ///< of the present hit
 };
 
 }  // namespace atlas::mapping

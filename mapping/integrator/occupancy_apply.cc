@@ -80,6 +80,27 @@ ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const WeakMi
   return result;
 }
 
+uint32_t Saturated(const int8_t* values) {
+  const D8 d;
+  const V8 least = hn::Set(d, OccupancyField::kMin);
+  uint32_t octants = 0;
+  for (size_t half = 0; half < 2; ++half) {
+    uint64_t all = ~uint64_t{0};
+    for (size_t layer = 4 * half; layer < 4 * half + 4; ++layer) {
+      uint64_t bits = 0;
+      for (size_t i = 0; i < 64; i += hn::Lanes(d)) {
+        bits |= BitsOf(d, hn::Eq(hn::LoadU(d, values + 64 * layer + i), least)) << i;
+      }
+      all &= bits;
+    }
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      const uint64_t bits = uint64_t{0x0f0f0f0f} << (4 * (quarter & 1) + 32 * (quarter >> 1));
+      if ((all & bits) == bits) octants |= 1u << (4 * static_cast<int>(half) + quarter);
+    }
+  }
+  return octants;
+}
+
 uint64_t Miss(int8_t* values, uint64_t which, int miss_units) {
   const D8 d;
   uint64_t changed = 0;
@@ -102,11 +123,16 @@ namespace atlas::mapping {
 namespace {
 HWY_EXPORT(Apply);
 HWY_EXPORT(Miss);
+HWY_EXPORT(Saturated);
 }  // namespace
 
 ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
                           const int8_t* delta, int miss_units) {
   return HWY_DYNAMIC_DISPATCH(Apply)(values, layers, free, weak, delta, miss_units);
+}
+
+uint32_t SaturatedOctants(const int8_t* values) {
+  return HWY_DYNAMIC_DISPATCH(Saturated)(values);
 }
 
 uint64_t ApplyMiss(int8_t* values, uint64_t which, int miss_units) {

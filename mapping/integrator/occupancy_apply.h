@@ -26,6 +26,10 @@ struct WeakMisses {
 ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
                           const int8_t* delta, int miss_units);
 
+/// Of the 4^3 octants of a block's 512 values, those that are as free as can be throughout. Bit x + 2 y + 4
+/// z.
+uint32_t SaturatedOctants(const int8_t* values);
+
 /// The same miss on those of 64 values whose bit is set; returns the bits that changed.
 uint64_t ApplyMiss(int8_t* values, uint64_t which, int miss_units);
 
