@@ -15,6 +15,14 @@ struct DistanceRules {
   float truncation_m, per_unit;
 };
 
+constexpr float kFrontShare = 1.5f;  ///< of the truncation over the cosine of incidence, in front of a return
+
+HWY_INLINE bool StoreNone(DF, int16_t* out) {
+  const hn::Rebind<int16_t, DF> d16;
+  hn::StoreU(hn::Set(d16, kNoDistance), d16, out);
+  return false;
+}
+
 /// Distances of Lanes(d) voxels at (x, y, z) in the turned frame; stores them and says whether any is within
 /// the truncation.
 HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules& rules, const GridPoint& p,
@@ -31,28 +39,32 @@ HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules&
   const VI cell = hn::Add(hn::Mul(row, columns), column);
   const VF range = hn::GatherIndex(d, image.range.data(), cell);
   const MF hit = hn::And(in, hn::Gt(range, hn::Zero(d)));
-  VF value = none;
-  bool any = false;
-  if (!hn::AllFalse(d, hit)) {
-    const VF nx = hn::GatherIndex(d, image.nx.data(), cell), ny = hn::GatherIndex(d, image.ny.data(), cell),
-             nz = hn::GatherIndex(d, image.nz.data(), cell);
-    const VF px = hn::GatherIndex(d, image.x.data(), cell), py = hn::GatherIndex(d, image.y.data(), cell),
-             pz = hn::GatherIndex(d, image.z.data(), cell);
-    // Back from the turned frame.
-    const VF c = hn::Set(d, turn[0]), s = hn::Set(d, turn[1]);
-    const VF lx = hn::Sub(hn::Mul(x, c), hn::Mul(y, s)), ly = hn::Add(hn::Mul(x, s), hn::Mul(y, c));
-    const VF distance = hn::Add(hn::Add(hn::Mul(nx, hn::Sub(lx, px)), hn::Mul(ny, hn::Sub(ly, py))),
-                                hn::Mul(nz, hn::Sub(z, pz)));
-    const VF far = hn::Set(d, rules.truncation_m);
-    // Behind the return the plane holds as far as the next beams' returns may lie: no farther, or the far
-    // side of a thin or round thing would be taken for its inside.
-    const VF pitch = hn::Set(d, 0.5f * static_cast<float>(image.grid->mean_row_pitch_rad));
-    const VF gap = hn::Mul(hn::Mul(range, pitch), hn::GatherIndex(d, image.inverse_cos.data(), cell));
-    const MF reached = hn::Lt(hn::Sub(p.distance, range), hn::Add(far, gap));
-    const MF within = hn::And(hn::And(hit, reached), hn::Lt(hn::Abs(distance), far));
-    any = !hn::AllFalse(d, within);
-    value = hn::IfThenElse(within, hn::Mul(distance, hn::Set(d, rules.per_unit)), none);
-  }
+  if (hn::AllFalse(d, hit)) return StoreNone(d, out);
+  const VF far = hn::Set(d, rules.truncation_m);
+  // Behind the return the plane holds as far as the next beams' returns may lie: no farther, or the far side
+  // of a thin or round thing would be taken for its inside. In front, no farther than a beam at that
+  // incidence needs to come within the truncation.
+  const VF grazing = hn::GatherIndex(d, image.inverse_cos.data(), cell);
+  const VF pitch = hn::Set(d, 0.5f * static_cast<float>(image.grid->mean_row_pitch_rad));
+  const VF gap = hn::Mul(hn::Mul(range, pitch), grazing);
+  const VF past = hn::Sub(p.distance, range);
+  const MF reached = hn::And(
+      hit,
+      hn::And(hn::Lt(past, hn::Add(far, gap)),
+              hn::Lt(hn::Neg(past), hn::Add(gap, hn::Mul(hn::Mul(far, hn::Set(d, kFrontShare)), grazing)))));
+  if (hn::AllFalse(d, reached)) return StoreNone(d, out);
+  const VF nx = hn::GatherIndex(d, image.nx.data(), cell), ny = hn::GatherIndex(d, image.ny.data(), cell),
+           nz = hn::GatherIndex(d, image.nz.data(), cell);
+  const VF px = hn::GatherIndex(d, image.x.data(), cell), py = hn::GatherIndex(d, image.y.data(), cell),
+           pz = hn::GatherIndex(d, image.z.data(), cell);
+  // Back from the turned frame.
+  const VF c = hn::Set(d, turn[0]), s = hn::Set(d, turn[1]);
+  const VF lx = hn::Sub(hn::Mul(x, c), hn::Mul(y, s)), ly = hn::Add(hn::Mul(x, s), hn::Mul(y, c));
+  const VF distance = hn::Add(hn::Add(hn::Mul(nx, hn::Sub(lx, px)), hn::Mul(ny, hn::Sub(ly, py))),
+                              hn::Mul(nz, hn::Sub(z, pz)));
+  const MF within = hn::And(reached, hn::Lt(hn::Abs(distance), far));
+  const bool any = !hn::AllFalse(d, within);
+  const VF value = hn::IfThenElse(within, hn::Mul(distance, hn::Set(d, rules.per_unit)), none);
   const VI rounded =
       hn::ConvertTo(di, hn::Add(value, hn::CopySign(hn::IfThenElseZero(hn::Ne(value, none), half), value)));
   hn::StoreU(hn::DemoteTo(d16, rounded), d16, out);

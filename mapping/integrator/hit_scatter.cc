@@ -9,7 +9,8 @@ namespace atlas::mapping {
 namespace {
 
 constexpr int kStepsInFront = 2, kStepsBehind = 4;  ///< voxels walked along the beam from its end
-constexpr int kWindowMargin = 8;                    ///< voxels beyond the outermost ray end
+constexpr double kCrowded = 0.25;  ///< voxels between beams: closer, and hits are many a voxel
+constexpr int kWindowMargin = 8;   ///< voxels beyond the outermost ray end
 
 }  // namespace
 
@@ -100,6 +101,7 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
       static_cast<size_t>(window_[0]) * static_cast<size_t>(window_[1]) * static_cast<size_t>(window_[2]), 0);
   chunks_used_ = 1;  // 0 marks none
   blocks_used_ = 0;
+  crowded_range_ = static_cast<float>(kCrowded / image.grid->min_pitch_rad);
   last_voxel_ = {-1, -1, -1};  // in no block of the window
   if (chunks_.empty()) chunks_.resize(1);
   for (size_t i = 0; i < image.range.size(); ++i) {
@@ -173,7 +175,7 @@ void HitScatter::ScatterHit(const ScanFrame& frame, const SurfaceModel& model, c
   const NodeKey end{static_cast<int32_t>(p[0]), static_cast<int32_t>(p[1]), static_cast<int32_t>(p[2])};
   const int at_end = std::max(model.hit_units, units(std::min(distance_to(end), depth)));
   // Where hits are many, the first ones that say most of their voxel speak for what lies around it.
-  if (all_kept_ && *EvidenceOf(end) > at_end) return;
+  if (all_kept_ && *EvidenceOf(end) >= at_end + (range < crowded_range_ ? 0 : 1)) return;
   Raise(end, at_end);
   VoxelWalk<float> behind(p, along, end);
   for (int step = 0; step < kStepsBehind; ++step) {

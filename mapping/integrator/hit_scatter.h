@@ -63,6 +63,7 @@ class HitScatter {
   std::array<int, 3> window_ = {};
   NodeKey keep_min_, keep_max_, last_voxel_;
   HitBlock* last_block_ = nullptr;  ///< of last_voxel_
+  float crowded_range_ = 0.0f;      ///< voxels
   bool all_kept_ = false;           ///< of the present hit
 };
 
