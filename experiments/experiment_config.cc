@@ -34,7 +34,9 @@ void MissionParams::Visit(core::ParamVisitor& v) {
   v.Field("flat_coverage", &flat_coverage,
           {.min = 0.0,
            .max = 1.0,
-           .doc = "completed only if the last planner.stop_rounds scans added less coverage each"});
+           .doc = "completed only if the last flat_scans scans added less coverage each, on average"});
+  v.Field("flat_scans", &flat_scans,
+          {.min = 1, .max = 100, .doc = "scans that flat_coverage is judged over"});
 }
 
 void OutputParams::Visit(core::ParamVisitor& v) {

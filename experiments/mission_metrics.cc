@@ -211,7 +211,7 @@ void MissionMetrics::Report(const std::string& stage, bool final) const {
 }
 
 bool MissionMetrics::CoverageIsFlat() const {
-  const auto rounds = static_cast<size_t>(config_.planner.stop_rounds);
+  const auto rounds = static_cast<size_t>(config_.mission.flat_scans);
   if (coverage_.size() <= rounds) return false;
   const double added = coverage_.back() - coverage_[coverage_.size() - 1 - rounds];
   return added < static_cast<double>(rounds) * config_.mission.flat_coverage;

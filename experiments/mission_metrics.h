@@ -45,7 +45,7 @@ class MissionMetrics {
   /// A progress line: scan, simulated time, distance, coverage, what is going on.
   void Report(const std::string& stage, bool final = false) const;
 
-  /// Whether the last `planner.stop_rounds` scans added less than `mission.flat_coverage` each, on average.
+  /// Whether the last `mission.flat_scans` scans added less than `mission.flat_coverage` each, on average.
   bool CoverageIsFlat() const;
   int scans() const { return scans_; }
   double distance_m() const { return distance_m_; }
