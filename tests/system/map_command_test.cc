@@ -215,7 +215,8 @@ TEST_F(MapCommand, DamagedMapsAreOneLine) {
 TEST_F(MapCommand, SharedRecordingsMapWithOneCommandEach) {
   const auto graph = atlas::testing::SharedData("octomap/spherical_scan.graph");
   const auto pair = atlas::testing::SharedData("scan_pair");
-  if (!graph || !pair) GTEST_SKIP() << "no shared data";
+  if (!graph || !pair)
+    GTEST_SKIP() << "real recordings are not the project's to carry; set ATLAS_SHARED_DATA";
   ExpectDone("map --scans '" + graph->string() + "' --mesh --out graph");
   EXPECT_EQ(Json("graph/summary.json")["scans"], 1);
   ExpectDone("map --scans '" + pair->string() + "' --mesh --out pair");
