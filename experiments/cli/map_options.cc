@@ -13,13 +13,14 @@ void AddThreads(CLI::App* command, int* threads) {
 }
 
 void AddScanOptions(CLI::App* map, MapArguments* a) {
-  map->add_option(
-         "--scans", a->log.scans,
-         "folder of clouds (PCD, PLY, KITTI .bin), one cloud, OctoMap scan graph, FILE.bag[:/topic], "
-         "'DIR/part*.pcd' or a data set of atlas record")
+  map->add_option("--scans", a->log.scans,
+                  "folder of clouds (PCD, PLY, KITTI .bin), one cloud, OctoMap scan graph, ROS 1 "
+                  "FILE.bag[:/topic], "
+                  "'DIR/part*.pcd' or a data set of atlas record")
       ->required();
   map->add_option("--poses", a->log.poses,
-                  "TUM, KITTI or 4x4 matrix file, or FILE.bag:/topic (default: what lies beside the scans)");
+                  "TUM, KITTI or 4x4 matrix file, or FILE.bag:/topic (default: what lies beside the scans: "
+                  "poses.tum, poses.txt, T_A_B.txt; the scan graph's, the bag's)");
   map->add_option("--trajectory", a->log.trajectory,
                   "TUM file at a high rate: a pose for each ray where clouds tell their times");
   map->add_option("--calib", a->log.calibration, "the LiDAR in the frame whose poses were recorded");

@@ -63,7 +63,9 @@ PoseMatch MatchByOrder(const ScanSource& source, const RecordedPoses& poses, con
 PoseMatch MatchPoses(const ScanSource& source, const RecordedPoses& poses, const std::string& file,
                      double max_dt_s) {
   const bool by_time = poses.timed() && AllTimed(source.entries());
-  return by_time ? MatchByTime(source, poses, file, max_dt_s) : MatchByOrder(source, poses, file);
+  PoseMatch match = by_time ? MatchByTime(source, poses, file, max_dt_s) : MatchByOrder(source, poses, file);
+  if (!poses.note.empty()) match.origin += fmt::format(" ({})", poses.note);
+  return match;
 }
 
 PoseMatch OwnPoses(const ScanSource& source) {
@@ -73,8 +75,10 @@ PoseMatch OwnPoses(const ScanSource& source) {
   const bool has_poses = std::all_of(entries.begin(), entries.end(),
                                      [](const ScanEntry& e) { return e.T_map_lidar.has_value(); });
   if (!has_poses && entries.size() != 1)
-    throw InputError(fmt::format("{}: poses are needed (--poses FILE) for {} scans", source.description(),
-                                 entries.size()));
+    throw InputError(
+        fmt::format("{}: nothing tells the poses of these {} scans: give --poses FILE (TUM, KITTI or 4x4 "
+                    "matrices), or put it beside them as poses.tum or poses.txt",
+                    source.description(), entries.size()));
   if (!has_poses) match.origin = "identity";
   for (size_t i = 0; i < entries.size(); ++i)
     match.scans.push_back(

@@ -58,27 +58,47 @@ void ReadDatasetFile(const fs::path& path, RecordedLogOptions* options) {
   }
 }
 
+/// A bag that holds one topic of poses needs no --poses.
+RecordedLogOptions WithPosesOfBag(RecordedLogOptions options) {
+  std::error_code error;
+  const std::string file = SplitTopic(options.scans).first;
+  if (!options.poses.empty() || !options.trajectory.empty() || !fs::exists(file, error)) return options;
+  const std::vector<std::string> topics = PoseTopicsOf(file);
+  if (topics.size() > 1) {
+    throw InputError(fmt::format("{}: several topics with poses; give --poses {}:{} or {}:{}", file, file,
+                                 topics[0], file, topics[1]));
+  }
+  if (topics.size() == 1) options.poses = file + ":" + topics[0];
+  return options;
+}
+
 /// A data set folder taken apart into its files.
 RecordedLogOptions Resolved(RecordedLogOptions options) {
   const fs::path folder = options.scans;
   std::error_code error;
+  if (NamesBag(options.scans)) return WithPosesOfBag(std::move(options));
+  if (!fs::is_directory(folder, error)) return options;
   for (const char* name : {"scans", "velodyne", "velodyne_points/data"}) {
     if (!fs::is_directory(folder / name, error)) continue;
     options.scans = (folder / name).string();
-    for (const char* poses : {"poses.tum", "poses.txt"}) FillIfThere(folder / poses, &options.poses);
-    FillIfThere(folder / "trajectory.tum", &options.trajectory);
-    FillIfThere(folder / "calib.txt", &options.calibration);
-    ReadDatasetFile(folder / "dataset.yaml", &options);
     break;
   }
+  for (const char* poses : {"poses.tum", "poses.txt"}) FillIfThere(folder / poses, &options.poses);
+  FillIfThere(folder / "trajectory.tum", &options.trajectory);
+  FillIfThere(folder / "calib.txt", &options.calibration);
+  ReadDatasetFile(folder / "dataset.yaml", &options);
   return options;
 }
 
-RecordedPoses ReadPosesOf(const std::string& path, const std::optional<Calibration>& calibration) {
-  const size_t topic = path.find(".bag:");
-  RecordedPoses poses = topic == std::string::npos
-                            ? ReadPoses(path)
-                            : ReadBagPoses(path.substr(0, topic + 4), path.substr(topic + 5));
+RecordedPoses ReadPosesOf(const std::string& path, const std::optional<Calibration>& calibration,
+                          const std::string& lidar_frame) {
+  if (!NamesBag(path)) {
+    RecordedPoses poses = ReadPoses(path);
+    if (calibration) Apply(*calibration, &poses);
+    return poses;
+  }
+  const auto [file, topic] = SplitTopic(path);
+  RecordedPoses poses = ReadBagPoses(file, topic, calibration ? "" : lidar_frame);
   if (calibration) Apply(*calibration, &poses);
   return poses;
 }
@@ -107,12 +127,13 @@ void RecordedLog::Impl::MeetPoses() {
   std::optional<Calibration> calibration;
   if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
   if (!options.trajectory.empty()) {
-    trajectory = ReadPosesOf(options.trajectory, calibration);
+    trajectory = ReadPosesOf(options.trajectory, calibration, source->frame());
     if (!trajectory->timed())
       throw InputError(fmt::format("{}: a trajectory needs times (TUM)", options.trajectory));
   }
   if (!options.poses.empty()) {
-    match = MatchPoses(*source, ReadPosesOf(options.poses, calibration), options.poses, options.max_dt_s);
+    match = MatchPoses(*source, ReadPosesOf(options.poses, calibration, source->frame()), options.poses,
+                       options.max_dt_s);
   } else if (trajectory) {
     match = MatchPoses(*source, *trajectory, options.trajectory, options.max_dt_s);
   } else {

@@ -15,6 +15,7 @@ namespace atlas::mapping {
 struct RecordedPoses {
   std::vector<double> time_s;  ///< ascending; empty when the file has no times
   std::vector<core::Pose> T_map_lidar;
+  std::string note;  ///< what was made of them, for the user; mostly empty
 
   size_t size() const { return T_map_lidar.size(); }
   bool timed() const { return !time_s.empty(); }

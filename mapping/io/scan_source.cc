@@ -115,13 +115,6 @@ std::vector<fs::path> CloudsOf(const fs::path& folder, const std::string& patter
   return files;
 }
 
-/// "FILE.bag:/topic" apart.
-std::pair<std::string, std::string> SplitTopic(const std::string& text) {
-  const size_t at = text.find(".bag:");
-  if (at == std::string::npos) return {text, ""};
-  return {text.substr(0, at + 4), text.substr(at + 5)};
-}
-
 }  // namespace
 
 std::optional<double> TimeInName(std::string_view stem) {

@@ -27,12 +27,14 @@ class ScanSource {
   const std::string& description() const { return description_; }
   /// Whence entries have their poses: "viewpoints", "the graph".
   const std::string& pose_origin() const { return pose_origin_; }
+  /// The frame that the points are in, where the source names it.
+  const std::string& frame() const { return frame_; }
   /// @throws InputError naming the file.
   virtual RecordedCloud Read(size_t index) const = 0;
 
  protected:
   std::vector<ScanEntry> entries_;
-  std::string description_, pose_origin_;
+  std::string description_, pose_origin_, frame_;
 };
 
 /// Opens what RecordedLogOptions::scans names (data set folders are resolved before). @throws InputError.
