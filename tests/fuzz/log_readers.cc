@@ -9,6 +9,7 @@
 #include "mapping/io/recorded_poses.h"
 #include "mapping/io/scan_graph.h"
 #include "tests/fuzz/fuzzed_reader.h"
+#include "tests/support/bag_writer.h"
 #include "tests/support/recorded_scans.h"
 
 namespace atlas::fuzz {
@@ -79,6 +80,40 @@ void ReadLog(const std::string& scans, const std::string& lidar) {
   for (size_t i = 0; i < log.size(); ++i) log.Read(i);
 }
 
+/// Two clouds and, on topics of their own, the poses of each kind.
+std::string SmallBag() {
+  using testing::BagHeaderBytes, testing::PoseBytes, testing::Raw, testing::Sized;
+  testing::BagWriter bag;
+  const std::string covariance(36 * 8, '\0');
+  for (uint32_t s = 1; s < 3; ++s) {
+    const std::string header = BagHeaderBytes(s, "map"), pose = PoseBytes(0.5 * s);
+    bag.Add("/p", "sensor_msgs/PointCloud2", s, testing::CloudMessage(s, 2, 2, std::vector<float>(12, 2.5f)));
+    bag.Add("/odom", "nav_msgs/Odometry", s, header + Sized("base") + pose + covariance + covariance);
+    bag.Add("/path", "nav_msgs/Path", s, header + Raw(uint32_t{1}) + header + pose);
+    bag.Add("/tf_static", "tf2_msgs/TFMessage", s,
+            Raw(uint32_t{1}) + BagHeaderBytes(s, "base") + Sized("lidar") + pose);
+  }
+  return bag.Bytes();
+}
+
+void ReadBag(const fs::path& file) {
+  for (const char* topic : {"/odom", "/path"}) {
+    mapping::RecordedLogOptions options;
+    options.scans = file.string();
+    options.poses = file.string() + ":" + topic;
+    const mapping::RecordedLog log(options);
+    for (size_t i = 0; i < log.size(); ++i) log.Read(i);
+  }
+}
+
+std::string BagOfRos(const std::string& name) {
+  return core::ReadFile(core::InstalledFile("tests/data/ros_bags/" + name + ".bag"));
+}
+
+void ReadBagOfRos(const fs::path& file) {
+  for (const char* topic : {"/points", "/dense"}) ReadLog(file.string() + ":" + topic, "none");
+}
+
 /// A data set folder about a file that is damaged: poses.tum, trajectory.tum or dataset.yaml.
 void ReadDataset(const fs::path& file) {
   const fs::path folder = file.parent_path() / "dataset";
@@ -134,6 +169,11 @@ std::vector<FuzzedReader> LogReaders() {
            [](auto bytes, auto& file) { mapping::ParseOusterMetadata(bytes, file.string()); }},
           {"log_scan.pcd", pcd, [](auto, auto& file) { ReadLog(file.string(), "auto"); }, true},
           {"log.graph", {BinaryGraph()}, [](auto, auto& file) { ReadLog(file.string(), "auto"); }, true},
+          {"small.bag", {SmallBag()}, [](auto, auto& file) { ReadBag(file); }, true},
+          {"ros.bag",
+           {BagOfRos("none"), BagOfRos("bz2"), BagOfRos("lz4")},
+           [](auto, auto& file) { ReadBagOfRos(file); },
+           true},
           {"trajectory.tum", {tum}, [](auto, auto& file) { ReadDataset(file); }, true},
           {"dataset.yaml",
            {"scene: campus\nlidar: estimate\nmin_range_m: 0.5\nmax_range_m: 90\nrows: 6\n"},

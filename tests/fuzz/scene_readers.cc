@@ -34,11 +34,42 @@ std::string BinaryPly() {
   return bytes;
 }
 
+const char* const kObj =
+    "# a tetrahedron and a quad\nmtllib none.mtl\no first\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvt "
+    "0.5 "
+    "0.5\nusemtl stone\ns 1\nf 1 3 2\nf 1//1 2//1 4//1\nf 2/1/1 3/1/1 4/1/1\nf 3/1 1/1 4/1\ng second\nv 2 0 "
+    "0\nv 3 0 "
+    "0\nv 3 1 0\nv 2 1 0\nf -4 -3 -2 -1\nl 1 2\n";
+const char* const kStl =
+    "solid one\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n  "
+    "endloop\n "
+    "endfacet\n facet normal 0 1 0\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 0 1\n  "
+    "endloop\n "
+    "endfacet\nendsolid one\n";
+
+std::string BinaryStl() {
+  std::string bytes(80, ' ');
+  Put(&bytes, uint32_t{3});
+  for (uint32_t face = 0; face < 3; ++face) {
+    for (const float v :
+         {0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.5f * static_cast<float>(face)})
+      Put(&bytes, v);
+    Put(&bytes, uint16_t{0});
+  }
+  return bytes;
+}
+
+void ReadMesh(std::string_view, const std::filesystem::path& file) {
+  scenes::ImportMesh(file, 1.0);
+}
+
 }  // namespace
 
 std::vector<FuzzedReader> SceneReaders() {
   return {{"scene.yaml", {kScene}, [](auto, auto& file) { scenes::LoadSceneFile(file); }, true},
-          {"mesh.ply", {kPly, BinaryPly()}, [](auto, auto& file) { scenes::ImportMesh(file, 1.0); }, true}};
+          {"mesh.ply", {kPly, BinaryPly()}, ReadMesh, true},
+          {"mesh.obj", {kObj}, ReadMesh, true},
+          {"mesh.stl", {kStl, BinaryStl()}, ReadMesh, true}};
 }
 
 }  // namespace atlas::fuzz

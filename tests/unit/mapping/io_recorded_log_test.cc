@@ -88,6 +88,38 @@ TEST_F(RecordedLogTest, ScansMeetPosesByTheTimeInTheirNames) {
   EXPECT_NE(ErrorOf(options).find("late.tum: no pose within 0.11 s"), std::string::npos) << ErrorOf(options);
 }
 
+TEST_F(RecordedLogTest, PosesThatLieAmongTheCloudsNeedNoNaming) {
+  for (const int i : {1, 2}) Write(fmt::format("s/scan{}.pcd", i), Single(i));
+  RecordedLogOptions options;
+  options.scans = Path("s");
+  EXPECT_NE(ErrorOf(options).find("nothing tells the poses of these 2 scans: give --poses"),
+            std::string::npos)
+      << ErrorOf(options);
+  Write("s/poses.txt", "1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n");
+  EXPECT_NEAR(RecordedLog(options).T_map_lidar(1).translation().x(), 2.0, 1e-9);
+  Write("s/poses.tum", "5 7 0 0 0 0 0 1\n6 8 0 0 0 0 0 1\n");
+  EXPECT_NEAR(RecordedLog(options).T_map_lidar(1).translation().x(), 8.0, 1e-9) << "TUM before KITTI";
+  Write("given.txt", "1 0 0 3 0 1 0 0 0 0 1 0\n1 0 0 4 0 1 0 0 0 0 1 0\n");
+  options.poses = Path("given.txt");
+  EXPECT_NEAR(RecordedLog(options).T_map_lidar(1).translation().x(), 4.0, 1e-9)
+      << "what is named comes first";
+}
+
+TEST_F(RecordedLogTest, ASingleScanStandsAtItsViewpoint) {
+  RecordedCloud cloud;
+  cloud.rows = cloud.columns = 1;
+  cloud.p_lidar = {core::Vec3f(1, 0, 0)};
+  Write("one.pcd", CloudToPcd(cloud, CloudEncoding::kAscii));
+  RecordedLogOptions options;
+  options.scans = Path("one.pcd");
+  EXPECT_TRUE(RecordedLog(options).T_map_lidar(0).matrix().isIdentity(0.0));
+  std::string moved = CloudToPcd(cloud, CloudEncoding::kAscii);
+  const size_t at = moved.find("VIEWPOINT");
+  moved.replace(at, moved.find('\n', at) - at, "VIEWPOINT 4 5 6 0 0 0 1");
+  Write("one.pcd", moved);
+  EXPECT_EQ(RecordedLog(options).T_map_lidar(0).translation(), Vec3(4, 5, 6));
+}
+
 TEST_F(RecordedLogTest, NamelessScansMeetPosesByOrderWhereTheCountsAgree) {
   for (const int i : {10, 9, 2}) Write(fmt::format("s/scan{}.pcd", i), Single(i));
   Write("kitti.txt", "1 0 0 2 0 1 0 0 0 0 1 0\n1 0 0 9 0 1 0 0 0 0 1 0\n1 0 0 10 0 1 0 0 0 0 1 0\n");
