@@ -59,6 +59,12 @@ core::TriMesh ReadByAssimp(const std::filesystem::path& path) {
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices != 3) continue;
+      for (int k = 0; k < 3; ++k) {
+        if (face.mIndices[k] >= part.mNumVertices) {
+          throw core::InputError(
+              fmt::format("a face names vertex {} of {}", face.mIndices[k], part.mNumVertices));
+        }
+      }
       mesh.triangles.push_back({base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
     }
   }

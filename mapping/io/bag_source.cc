@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <set>
 
 #include "core/errors.h"
 #include "mapping/io/bag_file.h"
 #include "mapping/io/bag_messages.h"
+#include "mapping/io/bag_transforms.h"
 
 namespace atlas::mapping {
 namespace {
@@ -122,36 +122,9 @@ std::vector<BagPose> PosesOf(const BagFile& bag, const std::string& file, const 
   return all;
 }
 
-/// ROS 1 names frames with or without a slash before.
-std::string FrameName(const std::string& frame) {
-  std::string name = frame.starts_with('/') ? frame.substr(1) : frame;
-  for (char& c : name) c = c > ' ' && c < 127 ? c : '?';  // names end up in lines for the user
-  return name;
-}
-
-/// The pose of frame `to` in frame `from` by the transforms of /tf_static, where they lead there.
-std::optional<Pose> StaticTransform(const BagFile& bag, const std::string& file, const std::string& from,
-                                    const std::string& to) {
-  std::vector<BagPose> edges;
-  for (const BagConnection& c : bag.connections()) {
-    if (!IsTransformsType(c.type) || !c.topic.ends_with("tf_static")) continue;
-    for (const BagMessage& m : bag.MessagesOf({c.id})) {
-      const auto more = ParseTransformsMessage(bag.Read(m), file + ": " + c.topic);
-      edges.insert(edges.end(), more.begin(), more.end());
-    }
-  }
-  std::map<std::string, Pose> T_from = {{from, Pose::Identity()}};
-  for (size_t known = 0; known != T_from.size();) {
-    known = T_from.size();
-    for (const BagPose& edge : edges) {
-      const std::string parent = FrameName(edge.frame), child = FrameName(edge.child_frame);
-      const bool has_parent = T_from.count(parent) != 0, has_child = T_from.count(child) != 0;
-      if (has_parent && !has_child) T_from[child] = T_from[parent] * edge.pose;
-      if (has_child && !has_parent) T_from[parent] = T_from[child] * edge.pose.inverse();
-    }
-  }
-  const auto found = T_from.find(to);
-  return found == T_from.end() ? std::nullopt : std::optional(found->second);
+/// Topics of transforms serve where one is named; the static ones are no motion.
+bool HoldsPoses(const std::string& asked, std::string_view type) {
+  return IsPoseType(type) || (!asked.empty() && IsTransformsType(type));
 }
 
 }  // namespace
@@ -173,14 +146,23 @@ std::unique_ptr<ScanSource> OpenBag(const fs::path& file, const std::string& top
 RecordedPoses ReadBagPoses(const fs::path& path, const std::string& asked, const std::string& lidar_frame) {
   const BagFile bag(path);
   const std::string file = path.string();
-  const std::string topic = ChooseTopic(file, bag.connections(), asked, IsPoseType, "poses");
+  const std::string topic = ChooseTopic(
+      file, bag.connections(), asked, [&](std::string_view type) { return HoldsPoses(asked, type); },
+      "poses");
+  const std::string lidar = FrameName(lidar_frame);
+  for (const BagConnection& c : bag.connections()) {
+    if (c.topic != topic || !IsTransformsType(c.type)) continue;
+    if (lidar.empty())
+      throw InputError(fmt::format("{}: transforms give the poses of a bag's clouds, without --calib", file));
+    return BagTransforms(bag, file, topic).OfFrame(lidar);
+  }
   const std::vector<BagPose> found = PosesOf(bag, file, topic);
   if (found.empty()) throw InputError(fmt::format("{}: topic {} has no messages", file, topic));
-  const std::string posed = FrameName(found[0].child_frame), lidar = FrameName(lidar_frame);
+  const std::string posed = FrameName(found[0].child_frame);
   RecordedPoses poses;
   Pose T_posed_lidar = Pose::Identity();
   if (!posed.empty() && !lidar.empty() && posed != lidar) {
-    const auto T = StaticTransform(bag, file, posed, lidar);
+    const auto T = BagTransforms(bag, file).Static(posed, lidar);
     if (T) T_posed_lidar = *T;
     poses.note = T ? fmt::format("from {} to {} by /tf_static", posed, lidar)
                    : fmt::format("of {}, taken for {}'s: give --calib where they differ", posed, lidar);

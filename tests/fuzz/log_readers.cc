@@ -90,6 +90,7 @@ std::string SmallBag() {
     bag.Add("/p", "sensor_msgs/PointCloud2", s, testing::CloudMessage(s, 2, 2, std::vector<float>(12, 2.5f)));
     bag.Add("/odom", "nav_msgs/Odometry", s, header + Sized("base") + pose + covariance + covariance);
     bag.Add("/path", "nav_msgs/Path", s, header + Raw(uint32_t{1}) + header + pose);
+    bag.Add("/tf", "tf2_msgs/TFMessage", s, Raw(uint32_t{1}) + header + Sized("base") + pose);
     bag.Add("/tf_static", "tf2_msgs/TFMessage", s,
             Raw(uint32_t{1}) + BagHeaderBytes(s, "base") + Sized("lidar") + pose);
   }
@@ -97,7 +98,7 @@ std::string SmallBag() {
 }
 
 void ReadBag(const fs::path& file) {
-  for (const char* topic : {"/odom", "/path"}) {
+  for (const char* topic : {"/odom", "/path", "/tf"}) {
     mapping::RecordedLogOptions options;
     options.scans = file.string();
     options.poses = file.string() + ":" + topic;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/errors.h"
@@ -118,6 +119,20 @@ TEST_P(BagsOfRos, AreLogsWithoutAnotherWord) {
       << log.Describe();
 }
 
+TEST_P(BagsOfRos, EachRayLeavesFromItsOwnPlaceAlongATopicOfPoses) {
+  RecordedLogOptions options;
+  options.scans = BagOfRos(GetParam()) + ":/points";
+  options.trajectory = BagOfRos(GetParam()) + ":/odom";
+  options.lidar = "none";
+  const RecordedLog log(options);
+  ASSERT_EQ(log.size(), 3u);
+  const core::SpinEvent event = log.Read(1);
+  for (const double t : {0.0, 0.04, 0.08})  // 2 m in the second from scan to scan
+    EXPECT_NEAR(event.T_odom_lidar.At(event.scan.stamp_s + t).translation().x(), 2.3 + 2.0 * t, 1e-5);
+  EXPECT_NEAR(static_cast<double>(*std::max_element(event.scan.time_s.begin(), event.scan.time_s.end())),
+              0.08, 1e-6);
+}
+
 INSTANTIATE_TEST_SUITE_P(Compressions, BagsOfRos, ::testing::Values("none", "bz2", "lz4"),
                          [](const auto& info) { return std::string(info.param); });
 
@@ -174,6 +189,37 @@ TEST_F(BagsTest, EachKindOfPoseMessageIsRead) {
     for (uint32_t i = 1; i <= s; ++i) path += stamped(i);
     return path;
   });
+}
+
+TEST_F(BagsTest, TransformsGiveThePosesOfTheCloudsFrame) {
+  using testing::BagHeaderBytes, testing::PoseBytes, testing::Raw, testing::Sized;
+  const auto transform = [](uint32_t s, const std::string& parent, const std::string& child, double x) {
+    return BagHeaderBytes(s, parent) + Sized(child) + PoseBytes(x);
+  };
+  BagWriter writer = TwoClouds();
+  const std::string type = "tf2_msgs/TFMessage";
+  writer.Add("/tf_static", type, 1, Raw(uint32_t{1}) + transform(0, "base", "/lidar", 0.25));
+  for (uint32_t s = 1; s < 3; ++s)
+    writer.Add("/tf", type, s, Raw(uint32_t{1}) + transform(s, "odom", "base", 5.0 * s));
+  writer.Add("/tf", type, 1,
+             Raw(uint32_t{2}) + transform(1, "map", "odom", 100) + transform(1, "base", "leg", 9));
+  RecordedLogOptions options;
+  options.scans = Write(writer.Bytes());
+  options.poses = options.scans + ":/tf";
+  const RecordedLog log(options);
+  ASSERT_EQ(log.size(), 2u);
+  EXPECT_EQ(log.T_map_lidar(0).translation(), Vec3(105.25, 0, 0));
+  EXPECT_EQ(log.T_map_lidar(1).translation(), Vec3(110.25, 0, 0));
+  EXPECT_NE(log.Describe().find("(lidar in map)"), std::string::npos) << log.Describe();
+  BagWriter still = TwoClouds();
+  still.Add("/tf", type, 1, Raw(uint32_t{1}) + transform(1, "base", "leg", 9));
+  const std::string bag = Write(still.Bytes());
+  EXPECT_NE(ErrorOf(bag, bag + ":/tf").find("no transform moves the clouds' frame 'lidar'"),
+            std::string::npos);
+  BagWriter round = TwoClouds();
+  round.Add("/tf", type, 1, Raw(uint32_t{2}) + transform(1, "a", "lidar", 1) + transform(1, "lidar", "a", 1));
+  const std::string ring = Write(round.Bytes());
+  EXPECT_NE(ErrorOf(ring, ring + ":/tf").find("go round"), std::string::npos) << ErrorOf(ring, ring + ":/tf");
 }
 
 TEST_F(BagsTest, DamageIsToldInALine) {
