@@ -196,6 +196,21 @@ std::vector<float> SlidingRange(const std::vector<float>& value, const Mask& val
   return high;
 }
 
+std::vector<float> Ridges(const std::vector<float>& value, const Mask& valid, int rows, int cols,
+                          int radius) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  std::vector<float> opened(value);
+  for (size_t i = 0; i < value.size(); ++i) opened[i] = valid[i] ? value[i] : kInf;
+  opened = Slide(opened, rows, cols, radius, kInf, [](float a, float b) { return a < b ? a : b; });
+  for (float& v : opened) v = v == kInf ? -kInf : v;
+  opened = Slide(opened, rows, cols, radius, -kInf, [](float a, float b) { return a > b ? a : b; });
+  std::vector<float> ridge(value.size(), 0.0f);
+  for (size_t i = 0; i < value.size(); ++i) {
+    if (valid[i]) ridge[i] = std::max(0.0f, value[i] - opened[i]);
+  }
+  return ridge;
+}
+
 PlaneFits FitPlanes(const std::vector<float>& height_m, const Mask& valid, int rows, int cols, double cell_m,
                     int radius_blocks) {
   PlaneFits fits;

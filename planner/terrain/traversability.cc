@@ -12,11 +12,14 @@ namespace {
 constexpr double kPlaneRadius_m = 0.26;  ///< half side of the square that slope and roughness are fitted over
 constexpr int kStepRadius = 2;           ///< cells
 constexpr float kRiser_m = 0.06;         ///< neighbouring cells that differ by more are the edge of a step
+constexpr double kRidgeWidth_m = 0.25;   ///< what is narrower is no place for feet ...
+constexpr float kRidge_m = 0.06;  ///< ... and trips them where it stands out by more: a tube, a curb stone
 constexpr float kSlopeWeight = 0.4f, kStepWeight = 0.3f, kRoughnessWeight = 0.3f;
 
-/// 1 on level, smooth ground, falling linearly with each of slope, step and roughness; 0 beyond any limit.
+/// 1 on level, smooth ground, falling linearly with each of slope, step and roughness; 0 beyond any limit and
+/// on ridges.
 std::vector<float> Score(const TerrainParams& params, const TerrainImage& image, const GroundImage& ground,
-                         const std::vector<float>& step_m) {
+                         const std::vector<float>& step_m, const std::vector<float>& ridge_m) {
   const float max_slope_rad = static_cast<float>(core::Radians(params.critical_slope_deg));
   const float max_step_m = static_cast<float>(params.critical_step_m);
   const float max_roughness_m = static_cast<float>(params.critical_roughness_m);
@@ -31,7 +34,7 @@ std::vector<float> Score(const TerrainParams& params, const TerrainImage& image,
       const float slope = image.planes.slope_rad[block] / max_slope_rad;
       const float step = step_m[i] / max_step_m;
       const float roughness = image.planes.roughness_m[block] / max_roughness_m;
-      if (slope >= 1.0f || step >= 1.0f || roughness >= 1.0f) continue;
+      if (slope >= 1.0f || step >= 1.0f || roughness >= 1.0f || ridge_m[i] > kRidge_m) continue;
       score[i] = 1.0f - kSlopeWeight * slope - kStepWeight * step - kRoughnessWeight * roughness;
     }
   }
@@ -104,7 +107,10 @@ TerrainImage AssessTerrain(const TerrainParams& params, const GroundImage& groun
   image.planes = FitPlanes(image.height_m, image.solid, image.side, image.side, params.cell_m, plane_radius);
   const std::vector<float> step_m =
       SlidingRange(image.height_m, image.solid, image.side, image.side, kStepRadius);
-  image.traversability = Score(params, image, ground, step_m);
+  const int ridge_radius = std::max(1, static_cast<int>(std::lround(0.5 * kRidgeWidth_m / params.cell_m)));
+  const std::vector<float> ridge_m =
+      Ridges(image.height_m, image.solid, image.side, image.side, ridge_radius);
+  image.traversability = Score(params, image, ground, step_m, ridge_m);
   KeepReachable(params.min_traversability, robot_row, robot_col, distance_radius, &image);
   MarkSteppable(ground, support.filled, step_m, &image);
 

@@ -48,6 +48,37 @@ TEST(TerrainFilters, DistanceEqualsBruteForceUpToTheRadius) {
   }
 }
 
+TEST(TerrainFilters, RidgesStandAboveEverySquareThatFitsUnderThem) {
+  // An opening is the highest floor of all the squares that hold the cell.
+  core::Rng rng(6);
+  const Mask valid = RandomMask(8, 0.9);
+  std::vector<float> value(valid.size());
+  for (float& v : value) v = static_cast<float>(rng.Normal());
+  constexpr int kRadius = 2;
+  const std::vector<float> ridge = Ridges(value, valid, kRows, kCols, kRadius);
+  const auto floor_of = [&](int r, int c) {
+    float low = 1e9f;
+    for (int rr = std::max(0, r - kRadius); rr <= std::min(kRows - 1, r + kRadius); ++rr) {
+      for (int cc = std::max(0, c - kRadius); cc <= std::min(kCols - 1, c + kRadius); ++cc) {
+        if (valid[At(rr, cc)]) low = std::min(low, value[At(rr, cc)]);
+      }
+    }
+    return low;
+  };
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kCols; ++c) {
+      float opened = -1e9f;
+      for (int rr = std::max(0, r - kRadius); rr <= std::min(kRows - 1, r + kRadius); ++rr) {
+        for (int cc = std::max(0, c - kRadius); cc <= std::min(kCols - 1, c + kRadius); ++cc) {
+          opened = std::max(opened, floor_of(rr, cc));
+        }
+      }
+      const float expected = valid[At(r, c)] ? std::max(0.0f, value[At(r, c)] - opened) : 0.0f;
+      ASSERT_FLOAT_EQ(ridge[At(r, c)], expected) << r << "," << c;
+    }
+  }
+}
+
 TEST(TerrainFilters, SlidingRangeEqualsBruteForce) {
   core::Rng rng(5);
   const Mask valid = RandomMask(4, 0.7);
