@@ -14,8 +14,8 @@ namespace atlas::mapping {
 struct RecordedLogOptions {
   /// One cloud, an OctoMap scan graph (.graph binary, or text with NODE rows), a ROS 1 bag (FILE.bag or
   /// FILE.bag:/topic), "FOLDER/part*.pcd", or a folder of clouds, in it or in its scans/ (or velodyne/). Of a
-  /// folder, poses.tum (or poses.txt), trajectory.tum, calib.txt and dataset.yaml are taken where they are not
-  /// given below.
+  /// folder, poses.tum (or poses.txt), trajectory.tum, calib.txt and dataset.yaml are taken where they are
+  /// not given below.
   std::string scans;
   /// TUM, KITTI or matrix file (ReadPoses); FILE.bag:/topic for poses of a bag. Empty: the data set's own,
   /// the bag's only topic of poses, the graph's, the viewpoints of PCD files, files T_<A>_<B>.txt beside
