@@ -20,7 +20,7 @@ using core::Pose;
 using core::Vec2;
 using core::Vec3;
 
-/// Longest step through a passage in which the robot cannot turn.
+/// Longest passage in which the robot cannot turn.
 constexpr double kPassage_m = 1.6;
 /// From the end of the way here, the robot retreats along it.
 constexpr double kOffTheWay_m = 0.5;
@@ -63,7 +63,6 @@ class Planner final : public NbvPlanner {
         evaluator_(sensor, object_box, {GainsAsked(params), params.rays, params.max_range_m}),
         threads_(threads),
         rng_(rng.Split("nbv_planner")),
-        roadmap_(params.lattice_m),
         termination_({params.stop_ratio, params.flat_share, params.stop_rounds, params.flat_rounds}) {
     traversal_.time_scale_s = params.time_scale_s;
     traversal_.slope_scale_rad = core::Radians(params.terrain.critical_slope_deg);
@@ -140,7 +139,9 @@ CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng
   if (params_.name == "greedy") {
     // A lattice misses no corner that an RRT happens not to fill.
     CandidateTree lattice =
-        LatticeCandidates(walkable, params_.lattice_m, params_.roadmap ? kPassage_m : 0.0);
+        params_.passages == "centred"
+            ? LatticeCandidates(walkable, params_.lattice_m, 0.0, FindPassages(walkable, kPassage_m))
+            : LatticeCandidates(walkable, params_.lattice_m, params_.roadmap ? kPassage_m : 0.0);
     if (params_.roadmap) {
       roadmap_.Learn(lattice);
       roadmap_.Extend(&lattice);
@@ -189,6 +190,10 @@ void Planner::ValueViews(NbvDecision* decision) const {
     const double relative = most > 0.0 ? c.gain / most : 0.0;
     c.worth =
         DecidesBySurface(params_) ? c.surface_m2 * (1.0 - params_.gain_share * (1.0 - relative)) : c.gain;
+    if (params_.unvisited_m2 > 0.0) {
+      const double distance = DistanceToVisited(c.p_map, memory_.visited());
+      c.worth += params_.unvisited_m2 * std::max(0.0, 1.0 - params_.unvisited_beyond_m / distance);
+    }
   }
 }
 
@@ -272,7 +277,7 @@ void Planner::Retreat(const Pose& T_map_base, NbvDecision* decision) {
 void Planner::FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
                       NbvDecision* decision) const {
   Candidate& c = decision->candidates[static_cast<size_t>(view)];
-  decision->path_map = PlanViewPath(walkable, tree.PathTo(c.node, walkable.start()),
+  decision->path_map = PlanViewPath(walkable, tree.PathTo(c.node, walkable.start()), tree.NarrowSteps(c.node),
                                     params_.rrt_star_iterations, rng.Split("path"));
   decision->path_length_m = PathLength(decision->path_map);
   decision->best = view;

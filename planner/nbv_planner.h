@@ -29,10 +29,18 @@ struct NbvParams {
   /// Greedy: places found walkable by earlier plans stay candidates beyond the window.
   bool roadmap = true;
   double lattice_m = 0.5;  ///< greedy: spacing of the places considered
+  /// Greedy, where the robot fits but cannot turn: `lattice` steps between places that happen to face each
+  /// other across it; `centred` finds doorways wherever they are and walks through their middle.
+  std::string passages = "lattice";
   double rrt_step_m = 0.6;
   int headings = 8;
   int rays = 5000;  ///< per candidate inside the object box, at least
   double max_range_m = 20.0;
+  /// What a map holds of places seen from afar only cannot be trusted (a doorway seen along its wall looks
+  /// shut), nor what views promise there. So a view is worth up to this much more, the further from all scans
+  /// it stands beyond the distance given; 0: no more.
+  double unvisited_m2 = 0.0;
+  double unvisited_beyond_m = 5.0;
   // Position cost (Eq. 3.7) as two terms; the maximum of both equals the thesis's at equal thresholds.
   bool visited_cost = true;
   double visited_threshold_m = 2.0;

@@ -27,6 +27,16 @@ void VisitCosts(core::ParamVisitor& v, NbvParams* p) {
           {.unit = "s", .min = 1.0, .max = 1e6, .doc = "continuous: a way of this long costs 1 - 1/e"});
 }
 
+void VisitUnvisited(core::ParamVisitor& v, NbvParams* p) {
+  v.Field("unvisited_m2", &p->unvisited_m2,
+          {.unit = "m^2",
+           .min = 0.0,
+           .max = 1000.0,
+           .doc = "what views far from all scans are worth besides, at most"});
+  v.Field("unvisited_beyond_m", &p->unvisited_beyond_m,
+          {.unit = "m", .min = 0.5, .max = 100.0, .doc = "far from all scans is farther than this"});
+}
+
 void VisitTermination(core::ParamVisitor& v, NbvParams* p) {
   v.Field("stop_ratio", &p->stop_ratio,
           {.min = 0.0,
@@ -67,6 +77,9 @@ void NbvParams::Visit(core::ParamVisitor& v) {
           {.doc = "greedy: places that earlier plans found walkable stay candidates beyond the window"});
   v.Field("lattice_m", &lattice_m,
           {.unit = "m", .min = 0.1, .max = 5.0, .doc = "greedy: spacing of the places considered"});
+  v.Field("passages", &passages,
+          {.choices = {"lattice", "centred"},
+           .doc = "greedy, through doorways: steps of the lattice that happen to fit, or their middle"});
   v.Field("rrt_step_m", &rrt_step_m, {.unit = "m", .min = 0.1, .max = 5.0, .doc = "longest edge of the RRT"});
   v.Field("headings", &headings, {.min = 1, .max = 64, .doc = "headings evaluated at every place"});
   v.Field("rays", &rays,
@@ -74,6 +87,7 @@ void NbvParams::Visit(core::ParamVisitor& v) {
   v.Field("max_range_m", &max_range_m,
           {.unit = "m", .min = 1.0, .max = 200.0, .doc = "range to which views are predicted"});
   VisitCosts(v, this);
+  VisitUnvisited(v, this);
   VisitTermination(v, this);
   v.Field("rrt_star_iterations", &rrt_star_iterations,
           {.min = 0, .max = 100000, .doc = "iterations of RRT* on the way to the view"});

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <compare>
 #include <queue>
+#include <set>
+#include <tuple>
 
 #include "planner/candidates/ompl_bridge.h"
 
@@ -25,6 +27,18 @@ std::vector<Vec2> CandidateTree::PathTo(int node, const Vec2& start) const {
   path.push_back(start);
   std::reverse(path.begin(), path.end());
   return path;
+}
+
+std::vector<size_t> CandidateTree::NarrowSteps(int node) const {
+  std::vector<bool> narrow;  // from the node backwards
+  for (int i = node; i >= 0; i = nodes[static_cast<size_t>(i)].parent) {
+    narrow.push_back(nodes[static_cast<size_t>(i)].narrow);
+  }
+  std::vector<size_t> steps;
+  for (size_t i = 0; i < narrow.size(); ++i) {
+    if (narrow[narrow.size() - 1 - i]) steps.push_back(i);
+  }
+  return steps;
 }
 
 CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, const core::Rng& rng) {
@@ -52,61 +66,126 @@ CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, 
   return result;
 }
 
-CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m, double passage_m) {
-  using Cell = std::pair<int, int>;
+namespace {
+
+/// Dijkstra over the places of a lattice and the ends of passages.
+class LatticeSearch {
+ public:
+  LatticeSearch(const Walkable& walkable, double spacing_m, double long_step_m, std::vector<Passage> passages)
+      : walkable_(walkable),
+        spacing_m_(spacing_m),
+        long_step_m_(long_step_m),
+        passages_(std::move(passages)) {}
+
+  CandidateTree Run() {
+    ExpandStart();
+    while (!open_.empty()) {
+      const Entry entry = open_.top();
+      open_.pop();
+      if (!done_.insert(entry.stop).second) continue;
+      const Vec2 p = PointOf(entry.stop);
+      const int node = static_cast<int>(tree_.nodes.size());
+      tree_.nodes.push_back(
+          {p, entry.parent, entry.length_m, walkable_.ground().SurfaceAt(p).height_m, entry.narrow});
+      Expand(entry.stop, p, entry.length_m, node);
+    }
+    return std::move(tree_);
+  }
+
+ private:
+  /// A lattice place (end < 0) or end `end` % 2 of passage `end` / 2.
+  struct Stop {
+    int end, x, y;
+    auto operator<=>(const Stop&) const = default;
+  };
   struct Entry {
     double length_m;
-    Cell cell;
+    Stop stop;
     int parent;
+    bool narrow;
     bool operator>(const Entry& other) const {
-      return std::tie(length_m, cell) > std::tie(other.length_m, other.cell);
+      return std::tie(length_m, stop) > std::tie(other.length_m, other.stop);
     }
   };
-  const auto point_of = [&](const Cell& c) { return Vec2(c.first * spacing_m, c.second * spacing_m); };
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  std::map<Cell, int> done;
-  CandidateTree tree;
 
-  const auto try_step = [&](const Vec2& from, double length_m, const Cell& next, int parent) {
-    if (done.contains(next)) return;
-    const Vec2 p = point_of(next);
-    ++tree.attempts;
-    if (!walkable.CanStand(p) || !walkable.CanStep(from, p)) return;
-    open.push({length_m + (p - from).norm(), next, parent});
-  };
-  const auto expand = [&](const Vec2& from, double length_m, const Cell& centre, int reach, int parent) {
+  Vec2 PointOf(const Stop& stop) const {
+    if (stop.end < 0) return {stop.x * spacing_m_, stop.y * spacing_m_};
+    const Passage& passage = passages_[static_cast<size_t>(stop.end / 2)];
+    return stop.end % 2 == 0 ? passage.a : passage.b;
+  }
+  Stop LatticeStopNear(const Vec2& p) const {
+    return {-1, static_cast<int>(std::lround(p.x() / spacing_m_)),
+            static_cast<int>(std::lround(p.y() / spacing_m_))};
+  }
+
+  void TryStep(const Vec2& from, double length_m, const Stop& next, int parent) {
+    if (done_.contains(next)) return;
+    const Vec2 p = PointOf(next);
+    ++tree_.attempts;
+    if (!walkable_.CanStand(p) || !walkable_.CanStep(from, p)) return;
+    open_.push({length_m + (p - from).norm(), next, parent, false});
+  }
+  void TryLattice(const Vec2& from, double length_m, const Stop& centre, int reach, int parent) {
     for (int dx = -reach; dx <= reach; ++dx) {
       for (int dy = -reach; dy <= reach; ++dy) {
-        try_step(from, length_m, {centre.first + dx, centre.second + dy}, parent);
+        TryStep(from, length_m, {-1, centre.x + dx, centre.y + dy}, parent);
       }
     }
-  };
-  const int far = static_cast<int>(std::floor(passage_m / spacing_m));
+  }
   /// Steps across ground where the robot cannot turn.
-  const auto expand_passages = [&](const Vec2& from, double length_m, const Cell& centre, int parent) {
+  void TryLongSteps(const Vec2& from, double length_m, const Stop& centre, int parent) {
+    const int far = static_cast<int>(std::floor(long_step_m_ / spacing_m_));
     for (int dx = -far; dx <= far; ++dx) {
       for (int dy = -far; dy <= far; ++dy) {
-        if (std::max(std::abs(dx), std::abs(dy)) < 2 || std::hypot(dx, dy) * spacing_m > passage_m) continue;
-        const Cell next{centre.first + dx, centre.second + dy};
-        if (!walkable.CanStand(0.5 * (from + point_of(next)))) try_step(from, length_m, next, parent);
+        if (std::max(std::abs(dx), std::abs(dy)) < 2 || std::hypot(dx, dy) * spacing_m_ > long_step_m_) {
+          continue;
+        }
+        const Stop next{-1, centre.x + dx, centre.y + dy};
+        if (!walkable_.CanStand(0.5 * (from + PointOf(next)))) TryStep(from, length_m, next, parent);
       }
     }
-  };
-
-  const Vec2& start = walkable.start();
-  const Cell first{static_cast<int>(std::lround(start.x() / spacing_m)),
-                   static_cast<int>(std::lround(start.y() / spacing_m))};
-  expand(start, 0.0, first, 2, -1);
-  while (!open.empty()) {
-    const Entry entry = open.top();
-    open.pop();
-    if (!done.emplace(entry.cell, static_cast<int>(tree.nodes.size())).second) continue;
-    const Vec2 p = point_of(entry.cell);
-    tree.nodes.push_back({p, entry.parent, entry.length_m, walkable.ground().SurfaceAt(p).height_m});
-    expand(p, entry.length_m, entry.cell, 1, static_cast<int>(tree.nodes.size()) - 1);
-    if (far > 1) expand_passages(p, entry.length_m, entry.cell, static_cast<int>(tree.nodes.size()) - 1);
   }
-  return tree;
+  void TryPassageEnds(const Vec2& from, double length_m, double reach_m, int parent) {
+    for (int end = 0; end < 2 * static_cast<int>(passages_.size()); ++end) {
+      const Stop stop{end, 0, 0};
+      if ((PointOf(stop) - from).norm() <= reach_m) TryStep(from, length_m, stop, parent);
+    }
+  }
+
+  void ExpandStart() {
+    const Vec2& start = walkable_.start();
+    TryLattice(start, 0.0, LatticeStopNear(start), 2, -1);
+    TryPassageEnds(start, 0.0, kStartReach_m, -1);
+  }
+  void Expand(const Stop& stop, const Vec2& p, double length_m, int node) {
+    TryLattice(p, length_m, LatticeStopNear(p), stop.end < 0 ? 1 : 2, node);
+    TryPassageEnds(p, length_m, kEndReach * spacing_m_, node);
+    if (stop.end < 0) {
+      TryLongSteps(p, length_m, stop, node);
+      return;
+    }
+    const Stop other{stop.end ^ 1, 0, 0};
+    if (done_.contains(other)) return;
+    open_.push({length_m + (PointOf(other) - p).norm(), other, node, true});
+  }
+
+  /// A robot that stands in a doorway gets out of it.
+  static constexpr double kStartReach_m = 1.6;
+  static constexpr double kEndReach = 1.5;  ///< lattice spacings from a place to the end of a passage
+
+  const Walkable& walkable_;
+  double spacing_m_, long_step_m_;
+  std::vector<Passage> passages_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
+  std::set<Stop> done_;
+  CandidateTree tree_;
+};
+
+}  // namespace
+
+CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m, double long_step_m,
+                                std::vector<Passage> passages) {
+  return LatticeSearch(walkable, spacing_m, long_step_m, std::move(passages)).Run();
 }
 
 std::vector<int> SpreadOut(const std::vector<CandidateNode>& nodes, const Vec2& start, int count) {

@@ -5,6 +5,7 @@
 
 #include "core/geometry.h"
 #include "core/rng.h"
+#include "planner/candidates/passages.h"
 #include "planner/candidates/walkable.h"
 
 namespace atlas::planner {
@@ -15,6 +16,7 @@ struct CandidateNode {
   int parent = -1;             ///< -1: reached straight from the robot
   double path_length_m = 0.0;  ///< along the tree from the robot
   double ground_m = 0.0;       ///< height of the ground under the footprint
+  bool narrow = false;         ///< the step here from its parent leads through a passage
 };
 
 struct CandidateTree {
@@ -23,15 +25,19 @@ struct CandidateTree {
 
   /// Waypoints from the robot (its own position first) to a node.
   std::vector<core::Vec2> PathTo(int node, const core::Vec2& start) const;
+  /// Of that way: the indices of waypoints from which the step to the next leads through a passage.
+  std::vector<size_t> NarrowSteps(int node) const;
 };
 
 /// RRT nodes as in the thesis, at most `nodes` of them.
 CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, const core::Rng& rng);
 
 /// Every point of a lattice with this spacing (multiples of it in the map, so that places repeat between
-/// plans) that can be reached by free steps between neighbours; each with its shortest way. Where the robot
-/// fits on its way but could not turn (a doorway), steps of up to `passage_m` lead through.
-CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m, double passage_m = 0.0);
+/// plans) that can be reached by free steps between neighbours and through `passages`; each with its shortest
+/// way. The ends of passages reached are places too. Where the robot fits on its way but could not turn, also
+/// steps of up to `long_step_m` between places of the lattice are tried.
+CandidateTree LatticeCandidates(const Walkable& walkable, double spacing_m, double long_step_m = 0.0,
+                                std::vector<Passage> passages = {});
 
 /// At most `count` indices of nodes that are spread out: repeatedly the one farthest from all chosen so far
 /// and from `start` (ties: the lower index).

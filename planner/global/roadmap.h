@@ -15,8 +15,8 @@ namespace atlas::planner {
 
 class Roadmap {
  public:
-  /// Places are those of a lattice with this spacing; others are kept by the lattice cell they lie in.
-  explicit Roadmap(double spacing_m) : spacing_m_(spacing_m) {}
+  /// Places nearer to each other than this are one.
+  static constexpr double kSamePlace_m = 0.05;
 
   /// Learns the places of a plan's tree and the steps of it.
   void Learn(const CandidateTree& tree);
@@ -29,15 +29,18 @@ class Roadmap {
 
  private:
   using Cell = std::pair<int, int>;
+  struct Step {
+    Cell to;
+    bool narrow;  ///< through a passage
+  };
   struct Place {
     core::Vec2 p_map = core::Vec2::Zero();
     double ground_m = 0.0;
-    std::vector<Cell> steps;  ///< both ways
+    std::vector<Step> steps;  ///< both ways
   };
-  Cell CellOf(const core::Vec2& p_map) const;
-  void Join(const Cell& a, const Cell& b);
+  static Cell CellOf(const core::Vec2& p_map);
+  void Join(const Cell& a, const Cell& b, bool narrow);
 
-  double spacing_m_;
   std::map<Cell, Place> places_;
 };
 

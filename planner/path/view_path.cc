@@ -82,11 +82,31 @@ std::vector<Vec2> Shortcut(const Walkable& walkable, const std::vector<Vec2>& pa
 std::vector<Vec2> PlanViewPath(const Walkable& walkable, const std::vector<Vec2>& tree_path, int iterations,
                                const core::Rng& rng) {
   const std::vector<Vec2> straightened = Shortcut(walkable, tree_path);
-  if (straightened.size() <= 2 || iterations <= 0) return straightened;
+  const bool known = std::all_of(tree_path.begin(), tree_path.end(), [&](const Vec2& p) {
+    return walkable.window().Contains(core::Vec3(p.x(), p.y(), walkable.window().Center().z()));
+  });
+  if (straightened.size() <= 2 || iterations <= 0 || !known) return straightened;
   const auto found = PlanRrtStar(ProblemAround(walkable, tree_path), tree_path.back(), iterations, rng);
   if (!found) return straightened;
   std::vector<Vec2> optimised = Shortcut(walkable, *found);
   return EffortOf(walkable, optimised) < EffortOf(walkable, straightened) ? optimised : straightened;
+}
+
+std::vector<Vec2> PlanViewPath(const Walkable& walkable, const std::vector<Vec2>& tree_path,
+                               const std::vector<size_t>& narrow, int iterations, const core::Rng& rng) {
+  if (narrow.empty()) return PlanViewPath(walkable, tree_path, iterations, rng);
+  std::vector<Vec2> path;
+  size_t from = 0;
+  for (size_t k = 0; k <= narrow.size(); ++k) {
+    const size_t to = k < narrow.size() ? narrow[k] : tree_path.size() - 1;
+    const std::vector<Vec2> piece(tree_path.begin() + static_cast<std::ptrdiff_t>(from),
+                                  tree_path.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+    const std::vector<Vec2> way =
+        PlanViewPath(walkable, piece, iterations, rng.Split("piece" + std::to_string(k)));
+    path.insert(path.end(), way.begin(), way.end());
+    from = to + 1;
+  }
+  return path;
 }
 
 }  // namespace atlas::planner

@@ -17,6 +17,11 @@ double PathLength(const std::vector<core::Vec2>& path);
 std::vector<core::Vec2> PlanViewPath(const Walkable& walkable, const std::vector<core::Vec2>& tree_path,
                                      int iterations, const core::Rng& rng);
 
+/// The same between passages: steps `tree_path[i]` to `tree_path[i + 1]`, i in `narrow` (ascending), are
+/// walked as they are.
+std::vector<core::Vec2> PlanViewPath(const Walkable& walkable, const std::vector<core::Vec2>& tree_path,
+                                     const std::vector<size_t>& narrow, int iterations, const core::Rng& rng);
+
 /// Drops every waypoint that a free straight step can skip without more effort. Waypoints that stay are ones
 /// of `path`, where the robot can turn.
 std::vector<core::Vec2> Shortcut(const Walkable& walkable, const std::vector<core::Vec2>& path);

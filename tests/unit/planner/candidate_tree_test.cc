@@ -117,6 +117,33 @@ TEST(CandidateTree, LatticeReachesAllItCanByTheShortestWay) {
   EXPECT_TRUE(reached.contains({8, 0})) << "beyond the wall";
 }
 
+/// Every way on the tree is free, and what is not free to turn in is crossed by narrow steps only.
+TEST(CandidateTree, LatticeGoesThroughADoorwayBesideItsPlaces) {
+  tests::FlatGround ground;
+  ground.AddObstacle(Vec2(1.0, -6.0), Vec2(1.2, 0.78));  // 0.9 m clear about y = 1.23
+  ground.AddObstacle(Vec2(1.0, 1.68), Vec2(1.2, 6.0));
+  const Walkable walkable(ground, Vec2::Zero());
+  const auto beyond = [](const CandidateTree& tree) {
+    return std::count_if(tree.nodes.begin(), tree.nodes.end(),
+                         [](const CandidateNode& node) { return node.p_map.x() > 1.7; });
+  };
+  EXPECT_EQ(beyond(LatticeCandidates(walkable, 0.5)), 0);
+  const CandidateTree tree = LatticeCandidates(walkable, 0.5, 0.0, FindPassages(walkable, 1.6));
+  EXPECT_GT(beyond(tree), 100);
+  for (size_t i = 0; i < tree.nodes.size(); ++i) {
+    const auto path = tree.PathTo(static_cast<int>(i), Vec2::Zero());
+    const std::vector<size_t> narrow = tree.NarrowSteps(static_cast<int>(i));
+    EXPECT_EQ(narrow.size(), tree.nodes[i].p_map.x() > 1.2 ? 1u : 0u);
+    double length = 0.0;
+    for (size_t k = 1; k < path.size(); ++k) length += (path[k] - path[k - 1]).norm();
+    EXPECT_NEAR(tree.nodes[i].path_length_m, length, 1e-9);
+    for (const size_t k : narrow) {
+      EXPECT_LT(path[k].x(), 1.0);
+      EXPECT_GT(path[k + 1].x(), 1.2);
+    }
+  }
+}
+
 TEST(CandidateTree, SpreadOutPicksTheFarthestRemainingPlace) {
   std::vector<CandidateNode> nodes;
   for (int i = 0; i < 40; ++i) nodes.push_back({Vec2(0.3 * (i % 8), 0.4 * (i / 8)), -1, 0.0});

@@ -153,6 +153,26 @@ TEST(NbvPlanner, GreedyIsExhaustedWhenNothingIsUnknown) {
   EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kGainExhausted);
 }
 
+TEST(NbvPlanner, PlacesFarFromEveryScanAreLookedAtBeforeItIsExhausted) {
+  const auto map = NearSideMapped(0.12);
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  NbvParams params = SmallParams("greedy");
+  params.unvisited_m2 = 2.0;
+  params.unvisited_beyond_m = 5.0;
+  const auto planner = Make(params);
+  planner->OnSweep(kRobot, 500);
+  const NbvDecision far = planner->Plan(kRobot, map, ground);
+  ASSERT_EQ(far.outcome, NbvOutcome::kView);
+  for (const Candidate& c : far.candidates) {
+    const double beyond = std::max(0.0, 1.0 - 5.0 / (c.p_map - Vec2(0.0, -3.0)).norm());
+    EXPECT_NEAR(c.worth, 2.0 * beyond, 1e-12) << "nothing is unknown";
+  }
+  for (const Vec2& p : {Vec2(-4, -7), Vec2(4, -7), Vec2(-4, 1), Vec2(4, 1), Vec2(0, 2)}) {
+    planner->OnSweep(core::PoseFromXyzYaw(Vec3(p.x(), p.y(), 0.44), 0.0), 100);
+  }
+  EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kGainExhausted);
+}
+
 TEST(NbvPlanner, ACommitmentHoldsWhileTheRobotIsOnItsWay) {
   const auto map = NearSideMapped();
   const auto planner = Make(SmallParams("greedy"));
@@ -191,6 +211,50 @@ TEST(NbvPlanner, ViewsThatBreakTheirPromisesAreDropped) {
   }
   EXPECT_EQ(chosen[0], chosen[1]);
   EXPECT_GT((chosen[2] - chosen[0]).norm(), 0.7);
+}
+
+/// The robot went to a view, and learnt there that nothing about it is walkable.
+TEST(NbvPlanner, ARobotThatFindsNothingWalkableGoesBackTheWayItCameOnce) {
+  const auto map = NearSideMapped();
+  const auto planner = Make(SmallParams("greedy"));
+  planner->OnSweep(kRobot, 500);
+  const NbvDecision there = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+  ASSERT_EQ(there.outcome, NbvOutcome::kView);
+  const Vec2 view = there.path_map.back() + Vec2(0.04, -0.03);
+  const Pose arrived = core::PoseFromXyzYaw(Vec3(view.x(), view.y(), 0.44), 0.7);
+  tests::FlatGround nothing(12.0, view);
+  nothing.AddObstacle(Vec2(-20.0, -20.0), Vec2(20.0, 20.0));
+
+  planner->OnSweep(arrived, 0);
+  const NbvDecision back = planner->Plan(arrived, map, nothing);
+  ASSERT_EQ(back.outcome, NbvOutcome::kView);
+  std::vector<Vec2> way(there.path_map.rbegin(), there.path_map.rend());
+  way.front() = view;
+  EXPECT_EQ(back.path_map, way);
+  double length = 0.0;
+  for (size_t i = 1; i < way.size(); ++i) length += (way[i] - way[i - 1]).norm();
+  EXPECT_NEAR(back.path_length_m, length, 1e-12);
+  ASSERT_EQ(back.best, 0);
+  EXPECT_EQ(back.candidates.front().p_map, Vec2(0.0, -3.0));
+  EXPECT_EQ(back.candidates.front().reason, LossReason::kChosen);
+  const Vec2 last = way.back() - way[way.size() - 2];
+  EXPECT_NEAR(back.candidates.front().yaw_rad, std::atan2(last.y(), last.x()), 1e-12);
+
+  planner->OnSweep(kRobot, 0);
+  EXPECT_EQ(planner->Plan(kRobot, map, nothing).outcome, NbvOutcome::kNoCandidates);
+}
+
+TEST(NbvPlanner, ARobotOffItsWayHasNoWayBack) {
+  const auto map = NearSideMapped();
+  const auto planner = Make(SmallParams("greedy"));
+  planner->OnSweep(kRobot, 500);
+  const NbvDecision there = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+  ASSERT_EQ(there.outcome, NbvOutcome::kView);
+  const Vec2 aside = there.path_map.back() + Vec2(0.6, 0.0);
+  tests::FlatGround nothing(12.0, aside);
+  nothing.AddObstacle(Vec2(-20.0, -20.0), Vec2(20.0, 20.0));
+  const Pose stopped = core::PoseFromXyzYaw(Vec3(aside.x(), aside.y(), 0.44), 0.0);
+  EXPECT_EQ(planner->Plan(stopped, map, nothing).outcome, NbvOutcome::kNoCandidates);
 }
 
 TEST(NbvPlanner, TheWindowIsTheSmallerOfThePlannersAndTheTerrains) {

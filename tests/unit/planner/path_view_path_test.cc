@@ -54,6 +54,25 @@ TEST(ViewPath, WithoutIterationsTheTreePathIsStraightened) {
   for (const Vec2& p : path) EXPECT_NE(std::find(tree_path.begin(), tree_path.end(), p), tree_path.end());
 }
 
+TEST(ViewPath, PassagesAreWalkedAsTheyAreAndTheRestIsStraightened) {
+  tests::FlatGround ground;
+  ground.AddObstacle(Vec2(1.0, -6.0), Vec2(1.2, 0.78));
+  ground.AddObstacle(Vec2(1.0, 1.68), Vec2(1.2, 6.0));
+  const Walkable walkable(ground, Vec2::Zero());
+  const Vec2 in(0.3, 1.23), out(1.9, 1.23);
+  const std::vector<Vec2> tree_path = {Vec2(0, 0), Vec2(0, -1), Vec2(-0.5, 0), in,
+                                       out,        Vec2(2, 3),  Vec2(4, 0)};
+  const auto path = PlanViewPath(walkable, tree_path, {3}, 300, core::Rng(2));
+  ExpectFree(ground, path);
+  EXPECT_EQ(path.front(), tree_path.front());
+  EXPECT_EQ(path.back(), tree_path.back());
+  const auto at = std::find(path.begin(), path.end(), in);
+  ASSERT_NE(at, path.end());
+  EXPECT_EQ(*(at + 1), out);
+  EXPECT_LE(path.size(), 5u);
+  EXPECT_LT(PathLength(path), PathLength(tree_path) - 2.0);
+}
+
 TEST(ViewPath, SameStreamGivesTheSamePath) {
   tests::FlatGround ground;
   ground.AddObstacle(Vec2(1.5, -2.0), Vec2(2.5, 1.0));

@@ -39,7 +39,7 @@ TEST(Roadmap, ExtendsATreeByTheShortestKnownWays) {
   core::Rng rng(3);
   const std::vector<CandidateTree> trees = {RandomTree({0, 0}, 9, &rng), RandomTree({3, 1}, 9, &rng),
                                             RandomTree({6, 2}, 9, &rng)};
-  Roadmap roadmap(kSpacing);
+  Roadmap roadmap;
   for (const CandidateTree& tree : trees) roadmap.Learn(tree);
   CandidateTree extended = trees[2];
   roadmap.Extend(&extended);
@@ -87,10 +87,30 @@ TEST(Roadmap, ExtendsATreeByTheShortestKnownWays) {
   }
 }
 
+TEST(Roadmap, RemembersWhichStepsArePassages) {
+  CandidateTree there;
+  there.nodes = {
+      {Vec2(0, 0), -1, 0.0, 0.0}, {Vec2(0.37, 0.21), 0, 0.4, 0.0}, {Vec2(0.37, 1.71), 1, 1.9, 0.0, true}};
+  Roadmap roadmap;
+  roadmap.Learn(there);
+  EXPECT_EQ(roadmap.size(), 3u) << "places beside the lattice are places of their own";
+  for (const Vec2& start : {Vec2(0, 0), Vec2(0.37, 1.71)}) {
+    CandidateTree here;
+    here.nodes = {{start, -1, 0.0, 0.0}};
+    roadmap.Extend(&here);
+    ASSERT_EQ(here.nodes.size(), 3u);
+    for (const CandidateNode& node : here.nodes) {
+      if (node.parent < 0) continue;
+      const double rise = node.p_map.y() - here.nodes[static_cast<size_t>(node.parent)].p_map.y();
+      EXPECT_EQ(node.narrow, std::abs(rise) > 1.0);
+    }
+  }
+}
+
 TEST(Roadmap, LeavesOutWhatNoKnownStepJoins) {
   core::Rng rng(5);
   const CandidateTree here = RandomTree({0, 0}, 5, &rng), apart = RandomTree({50, 0}, 5, &rng);
-  Roadmap roadmap(kSpacing);
+  Roadmap roadmap;
   roadmap.Learn(here);
   roadmap.Learn(apart);
   CandidateTree extended = here;

@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-#include "planner/terrain/elevation_map.h"
-#include "tests/support/terrain_scenes.h"
+#include "tests/unit/planner/terrain_fixture.h"
 
 namespace atlas::planner {
 namespace {
@@ -16,7 +15,6 @@ using core::Vec3;
 using testing::PatchWorld;
 using testing::TerrainSensors;
 
-constexpr double kStance = 0.44;
 constexpr double kCell = 0.04;
 
 /// A deck 3 m above the floor, 10 x 7 m, with a stairwell of 1 x 2.5 m.
@@ -45,17 +43,10 @@ struct Deck {
 };
 
 std::unique_ptr<ElevationMap> MapOf(const Deck& deck, const std::vector<Vec2>& stands, bool update_each) {
-  auto map = std::make_unique<ElevationMap>(TerrainParams{}, robots::RobotSpec{});
-  TerrainSensors sensors(&deck.world, 21);
-  map->InitialiseUnderRobot(PoseFromXyzYaw({stands.front().x(), stands.front().y(), kStance}, 0));
-  for (const Vec2& stand : stands) {
-    const core::Pose T = PoseFromXyzYaw({stand.x(), stand.y(), kStance}, 0.4);
-    sensors.Sweep(T, Radians(40), 50, map.get());
-    map->OnDepth(sensors.Depth(T, 0.4, Radians(25), 0));
-    if (update_each) map->Update();
-  }
-  map->Update();
-  return map;
+  std::vector<Vec3> on_deck;
+  for (const Vec2& stand : stands) on_deck.emplace_back(stand.x(), stand.y(), 0.0);
+  return MapAfterSweeps(deck.world, on_deck,
+                        {.seed = 21, .yaw_rad = 0.4, .depth_images = 1, .update_each = update_each});
 }
 
 /// Calls visit(p, margin) for the centres of all cells of the window.

@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-#include "planner/terrain/elevation_map.h"
-#include "tests/support/terrain_scenes.h"
+#include "tests/unit/planner/terrain_fixture.h"
 
 namespace atlas::planner {
 namespace {
@@ -15,8 +14,6 @@ using core::Vec2;
 using core::Vec3;
 using testing::PatchWorld;
 using testing::TerrainSensors;
-
-constexpr double kStance = 0.44;
 
 struct Statistics {
   double known_share = 0.0, mean = 0.0, deviation = 0.0, traversable_share = 0.0;
@@ -45,8 +42,7 @@ Statistics RingStatistics(const ElevationMap& map, const Vec2& centre, double in
 }
 
 TEST(TerrainMap, FlatGroundIsWithinACentimetreAndTraversableToFiveMetres) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   TerrainSensors sensors(&world, 1);
   ElevationMap map(TerrainParams{}, robots::RobotSpec{});
   const core::Pose T = PoseFromXyzYaw({0.3, -0.2, kStance}, 0.7);
@@ -69,8 +65,7 @@ TEST(TerrainMap, FlatGroundIsWithinACentimetreAndTraversableToFiveMetres) {
 }
 
 TEST(TerrainMap, RollingSpinIsUndistortedByEachRaysOwnTime) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   TerrainSensors sensors(&world, 2);
   sensors.range_sigma_m = 0.0;
   sensors.localisation_sigma_m = 0.0;
@@ -128,8 +123,7 @@ TEST(TerrainMap, WindowThatMovedTenMetresKeepsCellsWhereTheyAre) {
 }
 
 TEST(TerrainMap, DepthImageFillsTheNearFieldAndSkipsPixelsWithoutMeasurement) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   TerrainSensors sensors(&world, 4);
   const core::Pose T = PoseFromXyzYaw({0, 0, kStance}, 0);
   ElevationMap map(TerrainParams{}, robots::RobotSpec{});
@@ -175,8 +169,7 @@ TEST(TerrainMap, FeetMeasureTheGroundTheyStandOn) {
 }
 
 TEST(TerrainMap, FootprintIsFreeExactlyWhereNoBlockedCellTouchesIt) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   world.AddBox({1.5, 0.4, 0}, {1.7, 0.6, 1.0});
   world.AddBox({0.2, 1.8, 0}, {1.0, 1.9, 0.5});
   TerrainSensors sensors(&world, 6);

@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-#include "planner/terrain/elevation_map.h"
-#include "tests/support/terrain_scenes.h"
+#include "tests/unit/planner/terrain_fixture.h"
 
 namespace atlas::planner {
 namespace {
@@ -16,20 +15,8 @@ using core::Vec3;
 using testing::PatchWorld;
 using testing::TerrainSensors;
 
-constexpr double kStance = 0.44;
-
-/// A map after sweeps from these ground points of a world.
-std::unique_ptr<ElevationMap> MapAfterSweeps(const PatchWorld& world, const std::vector<Vec3>& stands) {
-  auto map = std::make_unique<ElevationMap>(TerrainParams{}, robots::RobotSpec{});
-  TerrainSensors sensors(&world, 11);
-  map->InitialiseUnderRobot(PoseFromXyzYaw(stands.front() + Vec3(0, 0, kStance), 0));
-  for (const Vec3& stand : stands) {
-    const core::Pose T = PoseFromXyzYaw(stand + Vec3(0, 0, kStance), 0);
-    sensors.Sweep(T, Radians(40), 50, map.get());
-    for (int k = 0; k < 3; ++k) map->OnDepth(sensors.Depth(T, 0.4, Radians(25), 0));
-    map->Update();
-  }
-  return map;
+std::unique_ptr<ElevationMap> MapOf(const PatchWorld& world, const std::vector<Vec3>& stands) {
+  return MapAfterSweeps(world, stands, {.seed = 11});
 }
 
 /// Ground at 0 for x < edge_x and at `rise_m` beyond, with the riser between.
@@ -42,7 +29,7 @@ PatchWorld StepWorld(double edge_x, double rise_m) {
 }
 
 TEST(TerrainObstacles, KerbOfTenCentimetresHasItsHeightAndMayBeClimbedAtACost) {
-  const auto map = MapAfterSweeps(StepWorld(1.6, 0.10), {{0, 0, 0}});
+  const auto map = MapOf(StepWorld(1.6, 0.10), {{0, 0, 0}});
   for (double y = -1.0; y <= 1.0; y += 0.2) {
     EXPECT_NEAR(map->At(1.4, y).height_m, 0.0, 0.015) << y;
     EXPECT_NEAR(map->At(1.8, y).height_m, 0.1, 0.015) << y;
@@ -54,8 +41,19 @@ TEST(TerrainObstacles, KerbOfTenCentimetresHasItsHeightAndMayBeClimbedAtACost) {
   }
 }
 
+TEST(TerrainObstacles, BarTenCentimetresHighIsNoKerb) {
+  PatchWorld world = FlatWorld();
+  world.AddBox({1.6, -3.0, 0}, {1.72, 3.0, 0.10});
+  const auto map = MapOf(world, {{0, 0, 0}});
+  for (double y = -1.0; y <= 1.0; y += 0.2) {
+    EXPECT_EQ(map->Traversability({1.66, y}), 0.0) << y;
+    EXPECT_FALSE(map->CircleFree({1.66, y})) << y;
+    EXPECT_TRUE(map->CircleFree({0.6, y})) << y;
+  }
+}
+
 TEST(TerrainObstacles, StepOfThirtyCentimetresBlocks) {
-  const auto map = MapAfterSweeps(StepWorld(1.6, 0.30), {{0, 0, 0}});
+  const auto map = MapOf(StepWorld(1.6, 0.30), {{0, 0, 0}});
   for (double y = -2.0; y <= 2.0; y += 0.2) {
     double least = 1.0;
     for (double x = 1.4; x < 1.8; x += 0.02) least = std::min(least, map->Traversability({x, y}));
@@ -66,7 +64,7 @@ TEST(TerrainObstacles, StepOfThirtyCentimetresBlocks) {
 }
 
 TEST(TerrainObstacles, StepDownOfThirtyCentimetresBlocks) {
-  const auto map = MapAfterSweeps(StepWorld(1.6, -0.30), {{0, 0, 0}});
+  const auto map = MapOf(StepWorld(1.6, -0.30), {{0, 0, 0}});
   for (double y = -2.0; y <= 2.0; y += 0.2) {
     EXPECT_FALSE(map->CircleFree({1.3, y})) << y;
     EXPECT_FALSE(map->At(1.64, y).steppable) << y;
@@ -79,7 +77,7 @@ TEST(TerrainObstacles, RampOfTenDegreesIsMeasuredWithinADegree) {
   const double rise = std::tan(Radians(10.0));
   world.AddRectangle(-20, -20, 1.5, 20, 0);
   world.patches.push_back({{1.5, -20, 0}, {0, 40, 0}, {5, 0, 5 * rise}});
-  const auto map = MapAfterSweeps(world, {{0, 0, 0}});
+  const auto map = MapOf(world, {{0, 0, 0}});
   for (double x = 2.0; x < 4.0; x += 0.25) {
     for (double y = -1.5; y <= 1.5; y += 0.5) {
       const auto surface = map->SurfaceAt({x, y});
@@ -92,12 +90,11 @@ TEST(TerrainObstacles, RampOfTenDegreesIsMeasuredWithinADegree) {
 }
 
 TEST(TerrainObstacles, ArchAboveTheRobotIsNeitherGroundNorObstacle) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   world.AddBox({2.0, -1.2, 1.6}, {2.8, 1.2, 2.0});
   world.AddBox({2.0, 1.0, 0}, {2.8, 1.2, 1.6});
   world.AddBox({2.0, -1.2, 0}, {2.8, -1.0, 1.6});
-  const auto map = MapAfterSweeps(world, {{0, 0, 0}});
+  const auto map = MapOf(world, {{0, 0, 0}});
   for (double x = 1.2; x < 3.6; x += 0.1) {
     EXPECT_TRUE(map->FootprintFree({x, 0.0}, 0.0)) << x;
     EXPECT_NEAR(map->At(x, 0.0).height_m, 0.0, 0.02) << x;
@@ -106,10 +103,9 @@ TEST(TerrainObstacles, ArchAboveTheRobotIsNeitherGroundNorObstacle) {
 }
 
 TEST(TerrainObstacles, TableBlocksOverItsWholeAreaThoughTheFloorBelowIsSeen) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   world.AddBox({1.8, -0.6, 0.57}, {3.0, 0.6, 0.60});
-  const auto map = MapAfterSweeps(world, {{0, 0, 0}, {1.2, -2.0, 0}});
+  const auto map = MapOf(world, {{0, 0, 0}, {1.2, -2.0, 0}});
   for (double x = 1.8; x < 3.0; x += 0.1) {
     for (double y = -0.5; y <= 0.5; y += 0.1) EXPECT_FALSE(map->FootprintFree({x, y}, 0.0)) << x << " " << y;
   }
@@ -117,10 +113,9 @@ TEST(TerrainObstacles, TableBlocksOverItsWholeAreaThoughTheFloorBelowIsSeen) {
 }
 
 TEST(TerrainObstacles, SpaceBelowALowBellyIsNotFreeBeforeItWasLookedInto) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   world.AddBox({2.0, -1.5, 0.5}, {5.0, 1.5, 2.2});
-  const auto map = MapAfterSweeps(world, {{0, 0, 0}});
+  const auto map = MapOf(world, {{0, 0, 0}});
   EXPECT_TRUE(map->At(2.6, 0.0).known);
   for (double x = 2.3; x < 4.8; x += 0.1) {
     for (double y = -1.2; y <= 1.2; y += 0.1) {
@@ -131,11 +126,10 @@ TEST(TerrainObstacles, SpaceBelowALowBellyIsNotFreeBeforeItWasLookedInto) {
 }
 
 TEST(TerrainObstacles, RailsBlockWhereTheyStandAndNotBeside) {
-  PatchWorld world;
-  world.AddRectangle(-20, -20, 20, 20, 0);
+  PatchWorld world = FlatWorld();
   world.AddBox({2.0, -4, 0.48}, {2.05, 4, 0.53});
   world.AddBox({2.0, -4, 1.07}, {2.05, 4, 1.12});
-  const auto map = MapAfterSweeps(world, {{0, 0, 0}, {0.8, 1.0, 0}});
+  const auto map = MapOf(world, {{0, 0, 0}, {0.8, 1.0, 0}});
   for (double y = -1.5; y <= 1.5; y += 0.1) {
     EXPECT_FALSE(map->CircleFree({1.9, y})) << y;
     EXPECT_FALSE(map->CircleFree({2.3, y})) << y;
