@@ -13,7 +13,7 @@ namespace atlas::mapping {
 /// What a scan adds where it saw nothing but free space, and how blocks collapse.
 struct WriteRules {
   int miss_units = 8;            ///< occupancy
-  int edge_units = 2;            ///< occupancy: of a free voxel beside a surface
+  int edge_units = 1;            ///< occupancy: of a free voxel beside a surface
   int16_t free_distance = 4096;  ///< TSDF
   bool lossless = false;
 };
@@ -85,18 +85,24 @@ class BlockWriter<TsdfField> {
       if (!(before.Get(block) == chunk_->uniform.Get(block))) changed_.Set(block);
     }
   }
-  void FreeCoarse(int block, uint64_t cells) {
+  void FreeCoarse(int block, uint64_t cells) { UpdateCoarse(block, cells, nullptr); }
+  /// Of cells of 2^3. @pre the block is not fine.
+  void UpdateCoarse(int block, uint64_t cells, const Evidence* evidence) {
     auto& leaf = map_->MakeCoarse(chunk_, block, worker_);
-    Finish(block, ApplyDistances(leaf.distance, leaf.weight, 1, &cells, nullptr, rules_.free_distance), leaf,
-           64);
+    Finish(block, ApplyDistances(leaf.distance, leaf.weight, 1, &cells, evidence, rules_.free_distance),
+           leaf);
   }
   void UpdateFine(int block, const uint64_t* free, const WeakMisses&, const Evidence* evidence) {
+    const bool split = chunk_->coarse.Test(block);
     auto& leaf = map_->MakeFine(chunk_, block, worker_);
-    Finish(block, ApplyDistances(leaf.distance, leaf.weight, 8, free, evidence, rules_.free_distance), leaf,
-           kBlockVoxels);
+    // A cell's distance is a poor guess of its voxels': the first of their own counts as much.
+    if (split) {
+      for (uint8_t& weight : leaf.weight) weight = std::min<uint8_t>(weight, 1);
+    }
+    Finish(block, ApplyDistances(leaf.distance, leaf.weight, 8, free, evidence, rules_.free_distance), leaf);
   }
   void Close() {
-    map_->Propagate(chunk_, changed_);
+    map_->PropagateAbove(chunk_, changed_);
     for (size_t word = 0; word < 8; ++word) chunk_->dirty.bits[word] |= changed_.bits[word];
   }
 
@@ -104,21 +110,16 @@ class BlockWriter<TsdfField> {
   /// Collapses what is equal; else, unless lossless, what is free at the full distance throughout, keeping
   /// the least weight.
   template <typename Leaf>
-  void Finish(int block, bool changed, const Leaf& leaf, int count) {
+  void Finish(int block, bool changed, const Leaf& leaf) {
     if (changed) changed_.Set(block);
-    uint8_t lightest = 255, heaviest = 0;
-    int16_t least = INT16_MAX, greatest = INT16_MIN;
-    for (int i = 0; i < count; ++i) {
-      lightest = std::min(lightest, leaf.weight[i]);
-      heaviest = std::max(heaviest, leaf.weight[i]);
-      least = std::min(least, leaf.distance[i]);
-      greatest = std::max(greatest, leaf.distance[i]);
-    }
-    const bool equal = lightest == heaviest && least == greatest && lightest > 0;
-    const bool free = lightest > 0 && least >= rules_.free_distance && !rules_.lossless;
+    const TsdfField::Summary s = TsdfField::Summarise(leaf);
+    const bool equal = s.lightest == s.heaviest && s.least == s.greatest && s.lightest > 0;
+    const bool free = s.lightest > 0 && s.least >= rules_.free_distance && !rules_.lossless;
     if (equal || free) {
-      map_->MakeUniform(chunk_, block, {least, lightest}, worker_);
+      map_->MakeUniform(chunk_, block, {s.least, s.lightest}, worker_);
       changed_.Set(block);
+    } else {
+      chunk_->detail->block[static_cast<size_t>(block)] = s.node;
     }
   }
 

@@ -10,7 +10,7 @@ HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
-constexpr float kPierceRadius = 0.5f;  ///< voxels: a beam that passes this near to the middle pierces it
+constexpr float kPierceRadius = 0.4f;  ///< voxels: a beam that passes this near to the middle pierces it
 constexpr float kPierceCone =
     2.0f;  ///< voxels between beams: wider, and the few voxels that they pierce do not count
 constexpr float kWindowShare = 0.75f;  ///< of a cell's width that the veto window must cover

@@ -85,6 +85,13 @@ class TsdfEvidence {
                                       context_.distance_unit_m, measured_);
     return any ? measured_ : nullptr;
   }
+  /// Of cells of 2^3.
+  const int16_t* OfCells(const NodeKey& corner, int scale) {
+    const bool any = MeasureCellDistances(*context_.image, *context_.frame, corner,
+                                          context_.truncation_m * static_cast<float>(scale),
+                                          context_.distance_unit_m, measured_);
+    return any ? measured_ : nullptr;
+  }
 
  private:
   const FillContext& context_;
@@ -170,6 +177,9 @@ class Filler {
   void FillMixed(int block) {
     const bool inside = Inside(block);
     const int cone = ScaleAt(block);
+    if constexpr (std::is_same_v<Field, TsdfField>) {
+      if (inside && cone > 1 && !chunk_->fine.Test(block)) return FillCells(block, cone);
+    }
     const Evidence* evidence = evidence_.Of(block, CornerOf(block), cone);
     const bool uniform = chunk_->Kind(block) == BlockKind::kUniform;
     if (!context_.rules.lossless && uniform && evidence == nullptr &&
@@ -198,6 +208,20 @@ class Filler {
           evidence);
     } else {
       Apply(block, free, {}, evidence);
+    }
+  }
+
+  /// Distances where beams are voxels apart: in cells, until a nearer scan splits the block.
+  void FillCells(int block, int cone) {
+    const Evidence* evidence = evidence_.OfCells(CornerOf(block), cone);
+    const bool uniform = chunk_->Kind(block) == BlockKind::kUniform;
+    if (!context_.rules.lossless && uniform && evidence == nullptr && Field::Free(chunk_->uniform.Get(block)))
+      return;  // as in FillMixed
+    const uint64_t free = FreeCells(block, cone);
+    if (evidence == nullptr) {
+      FillCoarse(block, free);
+    } else {
+      writer_.UpdateCoarse(block, free, evidence);
     }
   }
 

@@ -90,7 +90,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     c.frame = &frame_;
     c.hits = &hits_;
     c.rules.miss_units = static_cast<int>(std::lround(params_.miss_nats / OccupancyField::kNatsPerUnit));
-    c.rules.edge_units = (c.rules.miss_units + 3) / 4;
+    c.rules.edge_units = (c.rules.miss_units + 7) / 8;
     c.rules.free_distance = static_cast<int16_t>(
         std::lround(params_.truncation_voxels * resolution / TsdfField::UnitM(resolution)));
     c.rules.lossless = params_.lossless;

@@ -71,36 +71,49 @@ HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules&
   return any;
 }
 
+/// Groups of 16 cells: `rows` of them a layer.
 template <typename Projector>
 HWY_INLINE bool MeasureLayers(const ScanImage& image, const DistanceRules& rules, const Lattice& lattice,
-                              const Projector& projector, int16_t* out) {
+                              int rows, int layers, const Projector& projector, int16_t* out) {
   const DF d;
   bool any = false;
-  for (int group = 0; group < kBlockVoxels / 16; ++group) {
-    const auto j = static_cast<float>(group % 4), layer = static_cast<float>(group / 4);
-    VF at[3];
-    for (size_t i = 0; i < kGroup; i += hn::Lanes(d)) {
-      for (int c = 0; c < 3; ++c) {
-        const float base = lattice.first[c] + j * lattice.step_y[c] + layer * lattice.step_z[c];
-        at[c] = hn::Add(hn::Set(d, base), hn::Load(d, lattice.lane[c] + i));
+  for (int layer = 0; layer < layers; ++layer) {
+    for (int row = 0; row < rows; ++row, out += kGroup) {
+      VF at[3];
+      for (size_t i = 0; i < kGroup; i += hn::Lanes(d)) {
+        for (int c = 0; c < 3; ++c) {
+          const float base = lattice.first[c] + static_cast<float>(row) * lattice.step_y[c] +
+                             static_cast<float>(layer) * lattice.step_z[c];
+          at[c] = hn::Add(hn::Set(d, base), hn::Load(d, lattice.lane[c] + i));
+        }
+        const GridPoint p = projector.Project(d, at[0], at[1], at[2]);
+        any |= MeasureVector(d, image, rules, p, at[0], at[1], at[2], lattice.turn, out + i);
       }
-      const GridPoint p = projector.Project(d, at[0], at[1], at[2]);
-      any |= MeasureVector(d, image, rules, p, at[0], at[1], at[2], lattice.turn,
-                           out + 16 * static_cast<size_t>(group) + i);
     }
   }
   return any;
 }
 
-bool MeasureBlock(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, float truncation_m,
-                  float unit_m, int16_t* out) {
-  const DistanceRules rules{truncation_m, 1.0f / unit_m};
+HWY_INLINE bool Measure(const ScanImage& image, const ScanFrame& frame, const ScanFrame::Lanes& lanes,
+                        const NodeKey& corner, int scale, const DistanceRules& rules, int16_t* out) {
   const Place place = PlaceOf(frame, corner, kBlockSide);
-  const Lattice lattice = LatticeOf(frame, frame.lanes_1, corner, 1, place.turn);
-  if (place.near) return MeasureLayers(image, rules, lattice, NearProjector{*image.grid}, out);
+  const Lattice lattice = LatticeOf(frame, lanes, corner, scale, place.turn);
+  const int rows = scale == 1 ? 4 : 1, layers = kBlockSide / scale;
+  if (place.near) {
+    return MeasureLayers(image, rules, lattice, rows, layers, NearProjector{*image.grid}, out);
+  }
   FarProjector projector;
   SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
-  return MeasureLayers(image, rules, lattice, projector, out);
+  return MeasureLayers(image, rules, lattice, rows, layers, projector, out);
+}
+
+bool MeasureBlock(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, float truncation_m,
+                  float unit_m, int16_t* out) {
+  return Measure(image, frame, frame.lanes_1, corner, 1, {truncation_m, 1.0f / unit_m}, out);
+}
+bool MeasureBlockCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                       float truncation_m, float unit_m, int16_t* out) {
+  return Measure(image, frame, frame.lanes_2, corner, 2, {truncation_m, 1.0f / unit_m}, out);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -111,11 +124,17 @@ HWY_AFTER_NAMESPACE();
 namespace atlas::mapping {
 namespace {
 HWY_EXPORT(MeasureBlock);
+HWY_EXPORT(MeasureBlockCells);
 }  // namespace
 
 bool MeasureDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
                       float truncation_m, float unit_m, int16_t* out) {
   return HWY_DYNAMIC_DISPATCH(MeasureBlock)(image, frame, corner, truncation_m, unit_m, out);
+}
+
+bool MeasureCellDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                          float truncation_m, float unit_m, int16_t* out) {
+  return HWY_DYNAMIC_DISPATCH(MeasureBlockCells)(image, frame, corner, truncation_m, unit_m, out);
 }
 
 }  // namespace atlas::mapping

@@ -62,5 +62,8 @@ uint64_t TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey
 /// whether any lies within the truncation.
 bool MeasureDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
                       float truncation_m, float unit_m, int16_t* out);
+/// The same of its 64 cells of 2^3 voxels.
+bool MeasureCellDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                          float truncation_m, float unit_m, int16_t* out);
 
 }  // namespace atlas::mapping

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mapping/integrator/fill_kernels.h"
+#include "mapping/integrator/hit_trails.h"
 #include "mapping/integrator/scan_image.h"
 #include "mapping/integrator/surface_model.h"
 #include "mapping/octree/octree.h"
@@ -39,32 +40,16 @@ class HitScatter {
     BlockMask touched;
     std::array<uint32_t, kChunkBlocks> slot;
   };
-  struct Hit {
-    float w[3];     ///< from the sensor, voxels along the map's axes
-    float n[3];     ///< unit, into the surface, along the map's axes
-    float support;  ///< voxels
-    float range;    ///< voxels
-  };
-  Hit HitOfCell(const ScanImage& image, const ScanFrame& frame, size_t cell) const;
-  Hit HitOfSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare) const;
-  void ScatterHit(const ScanFrame& frame, const SurfaceModel& model, const Hit& hit);
-  HitBlock* BlockAt(const NodeKey& voxel);
-  /// Which of the voxels that a hit at `p` (window voxels) may touch are kept.
-  enum class Reach : uint8_t { kDropped, kCut, kKept };
-  Reach ReachOf(const float* p) const;
-  int8_t* EvidenceOf(const NodeKey& voxel);
-  void Raise(const NodeKey& voxel, int delta);
+  void ScatterTrails(const HitTrails& trails);
+  void FillSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
+                 size_t lane, HitGroup* group) const;
+  int8_t* BlockAt(int32_t block);
 
   std::vector<float> wx_, wy_, wz_;  ///< ends of the hits from the sensor, voxels along the map's axes
   std::vector<uint32_t> slot_of_chunk_;
   std::vector<ChunkHits> chunks_;
   std::vector<HitBlock> blocks_;
   size_t blocks_used_ = 0, chunks_used_ = 0;
-  std::array<int, 3> window_ = {};
-  NodeKey keep_min_, keep_max_, last_voxel_;
-  HitBlock* last_block_ = nullptr;  ///< of last_voxel_
-  float crowded_range_ = 0.0f;      ///< voxels
-  bool all_kept_ = false;           ///< of the present hit
 };
 
 }  // namespace atlas::mapping

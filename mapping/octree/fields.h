@@ -101,6 +101,42 @@ struct TsdfField {
                : Node{};
   }
   static constexpr bool NodeObserved(const Node& n) { return n.observed > 0.0f; }
+  /// The node above cells held one by one, and their extremes, unknown ones (of distance 0) included.
+  struct Summary {
+    Node node;
+    int16_t least = INT16_MAX, greatest = INT16_MIN;
+    uint8_t lightest = UINT8_MAX, heaviest = 0;
+  };
+  template <int N>
+  static Summary Summarise(const Cells<N>& cells) {
+    // Sums are exact. Plain loops over one array each, which vectorise.
+    Summary s;
+    int16_t least_known = INT16_MAX;
+    int32_t known = 0, distance = 0, weight = 0;
+    for (int i = 0; i < N; ++i) {
+      const int16_t d = cells.distance[i];
+      s.least = std::min(s.least, d);
+      s.greatest = std::max(s.greatest, d);
+    }
+    for (int i = 0; i < N; ++i) {
+      const uint8_t w = cells.weight[i];
+      s.lightest = std::min(s.lightest, w);
+      s.heaviest = std::max(s.heaviest, w);
+    }
+    for (int i = 0; i < N; ++i) {
+      const int32_t is_known = cells.weight[i] != 0;
+      known += is_known;
+      weight += cells.weight[i];
+      distance += -is_known & cells.distance[i];
+      least_known = std::min<int16_t>(least_known, is_known != 0 ? cells.distance[i] : INT16_MAX);
+    }
+    if (known > 0) {
+      const auto n = static_cast<float>(known);
+      s.node = {static_cast<float>(distance) / n, static_cast<float>(weight) / n, least_known,
+                n / static_cast<float>(N), known < N};
+    }
+    return s;
+  }
   /// Of two nodes of like size, or of like total share when folded over siblings.
   static constexpr Node Merge(const Node& a, const Node& b) {
     const float n = a.observed + b.observed;

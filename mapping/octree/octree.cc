@@ -7,23 +7,7 @@
 namespace atlas::mapping {
 namespace {
 
-/// The node of a block whose cells are held one by one.
-template <typename Field, typename Cells>
-typename Field::Node NodeOfCells(const Cells& cells, int count) {
-  using Node = typename Field::Node;
-  // Pairwise, so that halves have like weight in the mean.
-  std::array<Node, kBlockVoxels> node;
-  for (int i = 0; i < count; ++i) node[static_cast<size_t>(i)] = Field::NodeOf(cells.Get(i));
-  for (int n = count; n > 1; n /= 2) {
-    for (int i = 0; i < n / 2; ++i) {
-      const auto k = static_cast<size_t>(2 * i);
-      node[static_cast<size_t>(i)] = Field::Merge(node[k], node[k + 1]);
-    }
-  }
-  return node[0];
-}
-
-/// Vectorises; equal to the general one.
+/// The node of a block whose cells are held one by one. Vectorises.
 template <int N>
 OccupancyField::Node NodeOfOccupancy(const OccupancyField::Cells<N>& cells) {
   int max = OccupancyField::kNoneObserved;
@@ -41,7 +25,7 @@ typename Field::Node Summarise(const typename Field::template Cells<N>& cells) {
   if constexpr (std::is_same_v<Field, OccupancyField>) {
     return NodeOfOccupancy<N>(cells);
   } else {
-    return NodeOfCells<Field>(cells, N);
+    return TsdfField::Summarise(cells).node;
   }
 }
 

@@ -1,0 +1,243 @@
+#include "mapping/integrator/hit_trails.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mapping/integrator/hit_trails.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "mapping/integrator/project-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+
+constexpr float kStill = 1e-9f;  ///< less of an axis in a direction: never crosses a voxel along it
+constexpr float kNever = 1e30f;
+
+struct Vector3 {
+  VF x, y, z;
+};
+
+/// Lanes(d) hits.
+struct Hits {
+  Vector3 p, along, inward;  ///< ends in the window, unit directions of the beams, normals
+  VF range, support;
+  MF hit;
+};
+
+/// Steps from voxel to voxel along lines (Amanatides and Woo).
+struct Walk {
+  Vector3 voxel, step, per_voxel, next;
+
+  static HWY_INLINE void Begin(DF d, VF p, VF direction, VF voxel, VF* step, VF* per_voxel, VF* next) {
+    const VF one = hn::Set(d, 1.0f), never = hn::Set(d, kNever);
+    const VF length = hn::Abs(direction);
+    const MF moves = hn::Gt(length, hn::Set(d, kStill)), up = hn::Gt(direction, hn::Zero(d));
+    *step = hn::IfThenElse(up, one, hn::Neg(one));
+    *per_voxel = hn::IfThenElse(moves, hn::Div(one, hn::Max(length, hn::Set(d, kStill))), never);
+    const VF inside = hn::Sub(p, voxel);
+    *next =
+        hn::IfThenElse(moves, hn::Mul(hn::IfThenElse(up, hn::Sub(one, inside), inside), *per_voxel), never);
+  }
+  HWY_INLINE void Next(DF d) {
+    const MF x = hn::And(hn::Lt(next.x, next.y), hn::Lt(next.x, next.z));
+    const MF y = hn::AndNot(x, hn::Lt(next.y, next.z));
+    const MF z = hn::Not(hn::Or(x, y));
+    Advance(d, x, &voxel.x, &next.x, step.x, per_voxel.x);
+    Advance(d, y, &voxel.y, &next.y, step.y, per_voxel.y);
+    Advance(d, z, &voxel.z, &next.z, step.z, per_voxel.z);
+  }
+  static HWY_INLINE void Advance(DF, MF here, VF* voxel, VF* next, VF step, VF per_voxel) {
+    *voxel = hn::Add(*voxel, hn::IfThenElseZero(here, step));
+    *next = hn::Add(*next, hn::IfThenElseZero(here, per_voxel));
+  }
+};
+
+HWY_INLINE Walk WalkFrom(DF d, const Vector3& p, const Vector3& voxel, const Vector3& direction) {
+  Walk walk;
+  walk.voxel = voxel;
+  Walk::Begin(d, p.x, direction.x, voxel.x, &walk.step.x, &walk.per_voxel.x, &walk.next.x);
+  Walk::Begin(d, p.y, direction.y, voxel.y, &walk.step.y, &walk.per_voxel.y, &walk.next.y);
+  Walk::Begin(d, p.z, direction.z, voxel.z, &walk.step.z, &walk.per_voxel.z, &walk.next.z);
+  return walk;
+}
+
+/// Eq. 4.2 at the hits' ranges.
+struct Surface {
+  VF band, depth, slope, miss;
+
+  HWY_INLINE Surface(DF d, const SurfaceModel& m, VF range)
+      : band(hn::Mul(hn::Set(d, 3.0f),
+                     hn::Max(hn::Set(d, m.sigma_min_voxels), hn::Mul(hn::Set(d, m.lambda_sigma), range)))),
+        depth(hn::Min(hn::Max(hn::Mul(hn::Set(d, m.lambda_r), range), hn::Set(d, m.behind_min_voxels)),
+                      hn::Set(d, m.behind_max_voxels))),
+        slope(hn::Div(hn::Set(d, m.miss_units), band)),
+        miss(hn::Set(d, m.miss_units)) {}
+
+  /// Rounded to units, never 0.
+  HWY_INLINE VI Units(DF d, VF distance) const {
+    const DI di;
+    const VF half = hn::Set(d, 0.5f);
+    const VF ramp = hn::Mul(slope, hn::Min(distance, hn::Mul(half, depth)));
+    const VF value = hn::IfThenElse(hn::Le(distance, hn::Neg(band)), hn::Neg(miss), ramp);
+    const VI rounded = hn::ConvertTo(di, hn::Floor(hn::Add(value, half)));
+    const VI sign =
+        hn::IfThenElse(hn::RebindMask(di, hn::Lt(distance, hn::Zero(d))), hn::Set(di, -1), hn::Set(di, 1));
+    const VI whole = hn::IfThenElse(hn::Eq(rounded, hn::Zero(di)), sign, rounded);
+    return hn::Min(hn::Max(whole, hn::Set(di, -127)), hn::Set(di, 127));
+  }
+};
+
+/// Signed distance of the voxels' middles behind the (shifted) planes of the hits.
+HWY_INLINE VF DistanceTo(DF d, const Hits& h, const Vector3& voxel) {
+  const VF half = hn::Set(d, 0.5f);
+  const VF x = hn::Mul(h.inward.x, hn::Sub(hn::Add(voxel.x, half), h.p.x));
+  const VF y = hn::Mul(h.inward.y, hn::Sub(hn::Add(voxel.y, half), h.p.y));
+  const VF z = hn::Mul(h.inward.z, hn::Sub(hn::Add(voxel.z, half), h.p.z));
+  return hn::Add(hn::Add(hn::Add(x, y), z), h.support);
+}
+
+/// Bits 0, 1, 2 to 0, 3, 6.
+HWY_INLINE VI Spread(VI v) {
+  const DI di;
+  return hn::Or(hn::And(v, hn::Set(di, 1)), hn::Or(hn::ShiftLeft<2>(hn::And(v, hn::Set(di, 2))),
+                                                   hn::ShiftLeft<4>(hn::And(v, hn::Set(di, 4)))));
+}
+
+/// Stores Lanes(d) voxels of a trail; `delta` counts where `said` and the voxel is kept.
+HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, const ScanFrame& frame,
+                    const TrailRules& rules, int at, size_t lane, HitTrails* out) {
+  const DI di;
+  const auto within = [&](VF v, int32_t low, int32_t high) {
+    return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low))),
+                   hn::Lt(v, hn::Set(d, static_cast<float>(high))));
+  };
+  const NodeKey &low = rules.keep_min, &high = rules.keep_max;
+  const MF kept =
+      hn::And(said, hn::And(within(voxel.x, low.x, high.x),
+                            hn::And(within(voxel.y, low.y, high.y), within(voxel.z, low.z, high.z))));
+  const VI x = hn::ConvertTo(di, voxel.x), y = hn::ConvertTo(di, voxel.y), z = hn::ConvertTo(di, voxel.z);
+  const VI chunk = hn::Add(
+      hn::ShiftRight<6>(x),
+      hn::Mul(hn::Set(di, frame.chunks[0]),
+              hn::Add(hn::ShiftRight<6>(y), hn::Mul(hn::Set(di, frame.chunks[1]), hn::ShiftRight<6>(z)))));
+  const VI block = hn::Or(
+      Spread(hn::ShiftRight<3>(x)),
+      hn::Or(hn::ShiftLeft<1>(Spread(hn::ShiftRight<3>(y))), hn::ShiftLeft<2>(Spread(hn::ShiftRight<3>(z)))));
+  const VI seven = hn::Set(di, 7);
+  const VI index = hn::Or(hn::And(x, seven),
+                          hn::Or(hn::ShiftLeft<3>(hn::And(y, seven)), hn::ShiftLeft<6>(hn::And(z, seven))));
+  hn::Store(hn::Or(hn::ShiftLeft<9>(chunk), block), di, out->block[at] + lane);
+  hn::Store(index, di, out->voxel[at] + lane);
+  hn::Store(hn::IfThenElseZero(hn::RebindMask(di, kept), delta), di, out->delta[at] + lane);
+}
+
+HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const TrailRules& rules, size_t lane,
+                            HitTrails* out) {
+  const DI di;
+  const Surface surface(d, rules.model, h.range);
+  const Vector3 end{hn::Floor(h.p.x), hn::Floor(h.p.y), hn::Floor(h.p.z)};
+  const VI at_end = hn::Max(hn::Set(di, rules.model.hit_units),
+                            surface.Units(d, hn::Min(DistanceTo(d, h, end), surface.depth)));
+  Say(d, end, at_end, h.hit, frame, rules, 0, lane, out);
+  const MF crowded = hn::Lt(h.range, hn::Set(d, rules.crowded_range_voxels));
+  hn::Store(hn::IfThenElse(hn::RebindMask(di, crowded), at_end, hn::Add(at_end, hn::Set(di, 1))), di,
+            out->said + lane);
+
+  Walk behind = WalkFrom(d, h.p, end, h.along);
+  MF goes_on = h.hit;
+  for (int step = 0; step < HitTrails::kBehind; ++step) {
+    behind.Next(d);
+    const VF distance = DistanceTo(d, h, behind.voxel);
+    goes_on = hn::And(goes_on, hn::Le(distance, surface.depth));
+    Say(d, behind.voxel, surface.Units(d, distance), goes_on, frame, rules, 1 + step, lane, out);
+  }
+  Walk front = WalkFrom(d, h.p, end, {hn::Neg(h.along.x), hn::Neg(h.along.y), hn::Neg(h.along.z)});
+  goes_on = h.hit;
+  for (int step = 0; step < HitTrails::kInFront; ++step) {
+    front.Next(d);
+    const VF distance = DistanceTo(d, h, front.voxel);
+    goes_on = hn::And(goes_on, hn::Gt(distance, hn::Neg(surface.band)));
+    Say(d, front.voxel, surface.Units(d, distance), goes_on, frame, rules, 1 + HitTrails::kBehind + step,
+        lane, out);
+  }
+}
+
+/// @param w  ends from the sensor.
+HWY_INLINE void Complete(DF d, const Vector3& w, const ScanFrame& frame, Hits* h) {
+  h->p = {hn::Add(w.x, hn::Set(d, frame.sensor[0])), hn::Add(w.y, hn::Set(d, frame.sensor[1])),
+          hn::Add(w.z, hn::Set(d, frame.sensor[2]))};
+  h->hit = hn::Gt(h->range, hn::Zero(d));
+  const VF inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(h->hit, h->range, hn::Set(d, 1.0f)));
+  h->along = {hn::Mul(w.x, inverse), hn::Mul(w.y, inverse), hn::Mul(w.z, inverse)};
+}
+
+void CellTrails(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
+                const TrailRules& rules, HitTrails* out) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d);
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
+  const VF inverse = hn::Set(d, 1.0f / frame.resolution_m);
+  out->hits = 0;
+  for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
+    const size_t i = first + lane;
+    Hits h;
+    h.range = hn::Mul(hn::LoadU(d, image.range.data() + i), inverse);
+    const VF nx = hn::LoadU(d, image.nx.data() + i), ny = hn::LoadU(d, image.ny.data() + i),
+             nz = hn::LoadU(d, image.nz.data() + i);
+    const auto inward = [&](int axis) {
+      const float* m = frame.axis[axis];
+      const VF sum = hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0]), nx), hn::Mul(hn::Set(d, m[1]), ny)),
+                             hn::Mul(hn::Set(d, m[2]), nz));
+      return hn::Neg(hn::Mul(inverse, sum));
+    };
+    h.inward = {inward(0), inward(1), inward(2)};
+    h.support = hn::Mul(hn::LoadU(d, image.support.data() + i), inverse);
+    Complete(d, {hn::LoadU(d, end[0] + i), hn::LoadU(d, end[1] + i), hn::LoadU(d, end[2] + i)}, frame, &h);
+    const uint32_t bits = BitsOf(d, h.hit) & lane_bits;
+    out->hits |= bits << lane;
+    if (bits != 0) WriteTrails(d, h, frame, rules, lane, out);
+  }
+}
+
+void GroupTrails(const HitGroup& hits, const ScanFrame& frame, const TrailRules& rules, HitTrails* out) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d);
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
+  out->hits = 0;
+  for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
+    const auto load = [&](const float(&v)[3][kHitGroup]) {
+      return Vector3{hn::Load(d, v[0] + lane), hn::Load(d, v[1] + lane), hn::Load(d, v[2] + lane)};
+    };
+    Hits h;
+    h.range = hn::Load(d, hits.range + lane);
+    h.support = hn::Load(d, hits.support + lane);
+    h.inward = load(hits.inward);
+    Complete(d, load(hits.end), frame, &h);
+    out->hits |= (BitsOf(d, h.hit) & lane_bits) << lane;
+    WriteTrails(d, h, frame, rules, lane, out);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace atlas::mapping {
+namespace {
+HWY_EXPORT(CellTrails);
+HWY_EXPORT(GroupTrails);
+}  // namespace
+
+void TrailsOfCells(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
+                   const TrailRules& rules, HitTrails* out) {
+  HWY_DYNAMIC_DISPATCH(CellTrails)(image, end, first, frame, rules, out);
+}
+
+void TrailsOfHits(const HitGroup& hits, const ScanFrame& frame, const TrailRules& rules, HitTrails* out) {
+  HWY_DYNAMIC_DISPATCH(GroupTrails)(hits, frame, rules, out);
+}
+
+}  // namespace atlas::mapping
+#endif

@@ -1,0 +1,44 @@
+// What hits say of the voxels around their ends (Eq. 4.2), 16 hits at a time.
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/integrator/fill_kernels.h"
+#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/surface_model.h"
+
+namespace atlas::mapping {
+
+constexpr size_t kHitGroup = 16;
+
+/// Hits from the sensor, in voxels along the map's axes. A range of 0 or less: no hit.
+struct HitGroup {
+  alignas(64) float end[3][kHitGroup];
+  alignas(64) float inward[3][kHitGroup];  ///< unit normal into the surface
+  alignas(64) float support[kHitGroup];
+  alignas(64) float range[kHitGroup];
+};
+
+/// The voxels that each hit of a group speaks of: the one that holds its end, then on along the beam, then
+/// back. `delta` 0: nothing is said.
+struct HitTrails {
+  static constexpr int kBehind = 4, kInFront = 2, kVoxels = 1 + kBehind + kInFront;
+  alignas(64) int32_t block[kVoxels][kHitGroup];  ///< chunk of the window times kChunkBlocks, and its block
+  alignas(64) int32_t voxel[kVoxels][kHitGroup];  ///< VoxelIndex in the block
+  alignas(64) int32_t delta[kVoxels][kHitGroup];
+  alignas(64) int32_t said[kHitGroup];  ///< where the end's voxel holds this already, the hit adds nothing
+  uint32_t hits;                        ///< a bit a lane
+};
+
+struct TrailRules {
+  SurfaceModel model;
+  NodeKey keep_min, keep_max;  ///< voxels outside [min, max) of the window are left out
+  float crowded_range_voxels;  ///< closer, hits are many a voxel, and the first that says most is enough
+};
+
+/// Trails of the 16 cells of `image` from `first`. `end` are the ends of the cells' rays, as in HitGroup.
+void TrailsOfCells(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
+                   const TrailRules& rules, HitTrails* out);
+void TrailsOfHits(const HitGroup& hits, const ScanFrame& frame, const TrailRules& rules, HitTrails* out);
+
+}  // namespace atlas::mapping
