@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "atlas_commit.h"
 #include "core/files.h"
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"

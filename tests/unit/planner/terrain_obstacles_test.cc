@@ -41,6 +41,17 @@ TEST(TerrainObstacles, KerbOfTenCentimetresHasItsHeightAndMayBeClimbedAtACost) {
   }
 }
 
+TEST(TerrainObstacles, BarTenCentimetresHighSeenFromBothSidesIsNoKerb) {
+  PatchWorld world = FlatWorld();
+  world.AddBox({1.6, -3.0, 0}, {1.72, 3.0, 0.10});
+  const auto map = MapOf(world, {{3.3, 0, 0}, {0, 0, 0}});
+  for (double y = -1.0; y <= 1.0; y += 0.2) {
+    EXPECT_EQ(map->Traversability({1.66, y}), 0.0) << y;
+    EXPECT_FALSE(map->CircleFree({1.66, y})) << y;
+    EXPECT_TRUE(map->CircleFree({0.6, y})) << y;
+  }
+}
+
 TEST(TerrainObstacles, StepOfThirtyCentimetresBlocks) {
   const auto map = MapOf(StepWorld(1.6, 0.30), {{0, 0, 0}});
   for (double y = -2.0; y <= 2.0; y += 0.2) {

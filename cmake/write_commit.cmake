@@ -1,0 +1,4 @@
+# cmake -DSOURCE=... -DOUT=... -P: the commit that is being built, as a header that changes only with it.
+execute_process(COMMAND git -C ${SOURCE} rev-parse --short HEAD OUTPUT_VARIABLE commit
+                OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+file(CONFIGURE OUTPUT ${OUT} CONTENT "#define ATLAS_COMMIT \"@commit@\"\n" @ONLY)
