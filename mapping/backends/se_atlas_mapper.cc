@@ -25,6 +25,9 @@ IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3
   integrator.void_rays = params.void_rays;
   integrator.void_range_m = params.void_range_m;
   integrator.region_map = region;
+  // Sweeps from near by: what is wrongly held is cleared sooner than from afar.
+  integrator.edge_nats = 0.1;
+  integrator.pierce_voxels = 0.5;
   return integrator;
 }
 

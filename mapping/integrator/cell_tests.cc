@@ -10,7 +10,6 @@ HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
-constexpr float kPierceRadius = 0.4f;  ///< voxels: a beam that passes this near to the middle pierces it
 constexpr float kPierceCone =
     2.0f;  ///< voxels between beams: wider, and the few voxels that they pierce do not count
 constexpr float kWindowShare = 0.75f;  ///< of a cell's width that the veto window must cover
@@ -45,7 +44,7 @@ HWY_INLINE CellImages ImagesFor(const ScanImage& image, const ScanFrame& frame, 
   images.row_offset = static_cast<float>(image.window_rows[level] / 2 - 1);
   images.columns_before = image.window_columns[level] / 2 - 1;
   images.rows_end = static_cast<float>(image.rows) - 0.5f;
-  const float radius = kPierceRadius * static_cast<float>(scale) * frame.resolution_m;
+  const float radius = image.pierce_voxels * static_cast<float>(scale) * frame.resolution_m;
   const float cone = distance * static_cast<float>(image.grid->min_pitch_rad);
   images.pierce2 = cone < kPierceCone * frame.resolution_m ? radius * radius : 0.0f;
   return images;

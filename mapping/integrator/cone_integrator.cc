@@ -17,6 +17,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
   ConeIntegrator(const IntegratorParams& params, const core::LidarModel& lidar)
       : params_(params), grid_(MakeBeamGrid(lidar)) {
     PrepareImage(grid_, &image_);
+    image_.pierce_voxels = static_cast<float>(params.pierce_voxels);
   }
 
   void Integrate(const core::SpinEvent& spin, const core::Pose& T_map_odom, Octree<Field>* map) override {
@@ -90,7 +91,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     c.frame = &frame_;
     c.hits = &hits_;
     c.rules.miss_units = static_cast<int>(std::lround(params_.miss_nats / OccupancyField::kNatsPerUnit));
-    c.rules.edge_units = (c.rules.miss_units + 7) / 8;
+    c.rules.edge_units = static_cast<int>(std::lround(params_.edge_nats / OccupancyField::kNatsPerUnit));
     c.rules.free_distance = static_cast<int16_t>(
         std::lround(params_.truncation_voxels * resolution / TsdfField::UnitM(resolution)));
     c.rules.lossless = params_.lossless;

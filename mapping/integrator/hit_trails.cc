@@ -132,6 +132,17 @@ HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, const ScanFra
   hn::Store(hn::IfThenElseZero(hn::RebindMask(di, kept), delta), di, out->delta[at] + lane);
 }
 
+/// No voxel of the trail can be left out.
+HWY_INLINE MF WellInside(DF d, const Vector3& p, const TrailRules& rules) {
+  constexpr float kReach = HitTrails::kBehind + 1;
+  const auto within = [&](VF v, int32_t low, int32_t high) {
+    return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low) + kReach)),
+                   hn::Lt(v, hn::Set(d, static_cast<float>(high) - kReach)));
+  };
+  const NodeKey &low = rules.keep_min, &high = rules.keep_max;
+  return hn::And(within(p.x, low.x, high.x), hn::And(within(p.y, low.y, high.y), within(p.z, low.z, high.z)));
+}
+
 HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const TrailRules& rules, size_t lane,
                             HitTrails* out) {
   const DI di;
@@ -141,7 +152,8 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const T
                             surface.Units(d, hn::Min(DistanceTo(d, h, end), surface.depth)));
   Say(d, end, at_end, h.hit, frame, rules, 0, lane, out);
   const MF crowded = hn::Lt(h.range, hn::Set(d, rules.crowded_range_voxels));
-  hn::Store(hn::IfThenElse(hn::RebindMask(di, crowded), at_end, hn::Add(at_end, hn::Set(di, 1))), di,
+  const VI enough = hn::IfThenElse(hn::RebindMask(di, crowded), at_end, hn::Add(at_end, hn::Set(di, 1)));
+  hn::Store(hn::IfThenElse(hn::RebindMask(di, WellInside(d, h.p, rules)), enough, hn::Set(di, 128)), di,
             out->said + lane);
 
   Walk behind = WalkFrom(d, h.p, end, h.along);

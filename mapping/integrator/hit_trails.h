@@ -26,7 +26,7 @@ struct HitTrails {
   alignas(64) int32_t block[kVoxels][kHitGroup];  ///< chunk of the window times kChunkBlocks, and its block
   alignas(64) int32_t voxel[kVoxels][kHitGroup];  ///< VoxelIndex in the block
   alignas(64) int32_t delta[kVoxels][kHitGroup];
-  alignas(64) int32_t said[kHitGroup];  ///< where the end's voxel holds this already, the hit adds nothing
+  alignas(64) int32_t said[kHitGroup];  ///< where the end's voxel holds this or more, the hit adds nothing
   uint32_t hits;                        ///< a bit a lane
 };
 

@@ -30,6 +30,9 @@ struct IntegratorParams {
   double behind_max_m = 0.25;  ///< and at most this: far returns must not thicken walls into the next room
   double miss_nats = 0.4;      ///< -L_min a scan
   double hit_nats = 0.85;      ///< the voxel that holds a return gains at least this
+  double edge_nats = 0.05;     ///< an occupied voxel that is free only at a surface's edge loses this a scan
+  double pierce_voxels =
+      0.4;  ///< a beam clears the voxels whose middle it passes this near, whatever ends around
   double truncation_voxels = 3.0;  ///< TSDF: at scale 1; grows with the scale of integration
   int max_scale = 4;               ///< largest cell side inside a block, voxels: 1, 2 or 4
   bool lossless = false;  ///< collapse only what is equal; else all-free leaves keep their least free value

@@ -30,6 +30,16 @@ void IntegratorParams::Visit(core::ParamVisitor& v) {
            .min = 0.05,
            .max = 3.0,
            .doc = "least evidence of one scan for the voxel that holds a return"});
+  v.Field("edge_nats", &edge_nats,
+          {.unit = "nats",
+           .min = 0.05,
+           .max = 2.0,
+           .doc = "evidence of one scan against an occupied voxel that is free at a surface's edge"});
+  v.Field("pierce_voxels", &pierce_voxels,
+          {.unit = "voxels",
+           .min = 0.0,
+           .max = 0.87,
+           .doc = "a beam clears voxels whose middle it passes this near, though others end before them"});
   v.Field("truncation_voxels", &truncation_voxels,
           {.unit = "voxels", .min = 1.5, .max = 6.0, .doc = "TSDF truncation at the finest scale"});
   v.Field("max_scale", &max_scale,

@@ -29,6 +29,7 @@ struct ImageOptions {
 struct ScanImage {
   const BeamGrid* grid = nullptr;
   int rows = 0, columns = 0;
+  float pierce_voxels = 0.5f;  ///< a beam that passes this near to a cell's middle pierces it
 
   // --- Rays, in the scan's order. ray_range > 0: hit at ray_x.. (a point); < 0: nothing met up to
   // -ray_range, ray_x.. a unit direction; 0: no information. ray_u < 0: no direction either.

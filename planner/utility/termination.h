@@ -6,10 +6,10 @@
 namespace atlas::planner {
 
 struct TerminationParams {
-  double stop_ratio = 0.05;  ///< of the first view's utility
-  double flat_share = 0.01;  ///< a sweep that adds less of all surface seen so far adds nothing
-  int stop_rounds = 4;       ///< low rounds in a row, over which the surface must be flat on average
-  int flat_rounds = 5;       ///< flat sweeps in a row that end the mission whatever is promised
+  double stop_ratio = 0.05;   ///< of the first view's utility
+  double flat_share = 0.008;  ///< a sweep that adds less of all surface seen so far adds nothing
+  int stop_rounds = 4;        ///< low rounds in a row, over which the surface must be flat on average
+  int flat_rounds = 5;        ///< flat sweeps in a row that end the mission whatever is promised
 };
 
 /// Eq. 3.8 stops when the best utility falls below a threshold; here the threshold is a share of the first
