@@ -83,6 +83,7 @@ class Planner final : public NbvPlanner {
   void ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
                    const CandidateTree& tree, NbvDecision* decision) const;
   std::vector<int> RankViews(NbvDecision* decision) const;
+  int FarthestFromScans(const NbvDecision& decision) const;
   void Retreat(const Pose& T_map_base, NbvDecision* decision);
   void FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
                NbvDecision* decision) const;
@@ -123,12 +124,13 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
       ranked.empty() ? 0.0 : decision.candidates[static_cast<size_t>(ranked[0])].utility;
   termination_.Observe(best_utility, memory_.latest_surface_share());
   decision.utility_ratio = termination_.ratio();
-  if (termination_.Exhausted() || best_utility <= 0.0) {
+  const bool promises = best_utility > 0.0;
+  if (termination_.Exhausted() || (!promises && (!DecidesBySurface(params_) || termination_.NothingLeft()))) {
     decision.outcome = NbvOutcome::kGainExhausted;
     return decision;
   }
 
-  FindWay(walkable, tree, ranked[0], rng, &decision);
+  FindWay(walkable, tree, promises ? ranked[0] : FarthestFromScans(decision), rng, &decision);
   const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
   memory_.Commit({view.p_map, view.yaw_rad});
   way_here_ = decision.path_map;
@@ -250,6 +252,15 @@ std::vector<int> Planner::RankViews(NbvDecision* decision) const {
     std::rotate(ranked.begin(), kept, kept + 1);
   }
   return ranked;
+}
+
+/// Nothing is promised anywhere: the place that differs most from those of all scans.
+int Planner::FarthestFromScans(const NbvDecision& decision) const {
+  const auto distance = [&](const Candidate& c) { return DistanceToVisited(c.p_map, memory_.visited()); };
+  const auto farthest =
+      std::max_element(decision.candidates.begin(), decision.candidates.end(),
+                       [&](const Candidate& a, const Candidate& b) { return distance(a) < distance(b); });
+  return static_cast<int>(farthest - decision.candidates.begin());
 }
 
 /// Where the robot stands, nothing about it looks walkable any more (it learnt of an overhang, say): the way

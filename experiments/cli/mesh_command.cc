@@ -40,14 +40,15 @@ int MeshCommand(const MeshArguments& arguments) {
       arguments.out.empty() ? arguments.map.parent_path() / "mesh.ply" : arguments.out;
   CheckExtension(out, {".ply"});
   const mapping::AnyOctree map = LoadMap(arguments.map);
-  ProgressBar bar("mesh", 1);
-  bar.Show(0, "extracting");
+  const size_t chunks = std::visit([](const auto& tree) { return tree.Count().chunks; }, map);
+  ProgressBar bar("mesh", chunks);
   mapping::MeshOptions options;
+  options.progress = [&bar](size_t done, size_t) { bar.Show(done, "extracting"); };
   options.min_component_m2 = arguments.min_component_m2;
   options.threads = arguments.threads;
   const core::TriMesh mesh =
       std::visit([&](const auto& tree) { return mapping::ExtractMesh(tree, options); }, map);
-  bar.Show(0, "writing " + out.string());
+  bar.Show(chunks, "writing " + out.string());
   core::WritePly(out, mesh);
   bar.Finish(fmt::format("{} triangles, {} vertices", mesh.triangles.size(), mesh.vertices.size()));
   std::cout << fmt::format("{}: {} triangles, {} vertices, {:.2f} m2\n", out.string(), mesh.triangles.size(),

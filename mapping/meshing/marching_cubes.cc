@@ -1,6 +1,7 @@
 #include "mapping/meshing/marching_cubes.h"
 
 #include <atomic>
+#include <mutex>
 #include <unordered_map>
 
 #include "core/parallel_for.h"
@@ -16,10 +17,17 @@ std::vector<ChunkSurface> ExtractChunks(const Octree<Field>& map, const MeshOpti
   const std::vector<const typename Octree<Field>::Chunk*> chunks = map.Chunks();
   std::vector<ChunkSurface> surfaces(chunks.size());
   std::atomic<size_t> next = 0;
+  std::mutex telling;
+  size_t done = 0;
   const auto workers = static_cast<size_t>(std::max(options.threads, 1));
   core::ParallelFor(options.threads, workers, [&](size_t, size_t, size_t) {
     ChunkMesher<Field> mesher(map, options.undo_shift);
-    for (size_t i = next++; i < chunks.size(); i = next++) surfaces[i] = mesher.Extract(*chunks[i]);
+    for (size_t i = next++; i < chunks.size(); i = next++) {
+      surfaces[i] = mesher.Extract(*chunks[i]);
+      if (!options.progress) continue;
+      const std::lock_guard lock(telling);
+      options.progress(++done, chunks.size());
+    }
   });
   return surfaces;
 }

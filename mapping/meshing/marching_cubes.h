@@ -1,6 +1,8 @@
 // Surfaces of an octree as triangles: marching cubes across scales, without cracks.
 #pragma once
 
+#include <functional>
+
 #include "core/mesh.h"
 #include "mapping/octree/octree.h"
 
@@ -12,6 +14,8 @@ struct MeshOptions {
   /// Occupancy: vertices stand on the surface that was seen, OccupancyShift behind the zero level. Off: on
   /// the zero level itself.
   bool undo_shift = true;
+  /// Told after each chunk how many of all chunks are done; from one thread at a time.
+  std::function<void(size_t done, size_t chunks)> progress = nullptr;
 };
 
 /// The zero level of log-odds (occupied inside) or of the signed distance; only where all corners are

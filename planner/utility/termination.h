@@ -26,6 +26,9 @@ class Termination {
   bool Exhausted() const {
     return (low_rounds_ >= params_.stop_rounds && Flat()) || flat_rounds_ >= params_.flat_rounds;
   }
+  /// Whether a plan that promises nothing ends the mission: the first one does, and one that low rounds led
+  /// up to. Another may come too early: what earlier sweeps promised has only just been seen.
+  bool NothingLeft() const { return first_utility_ <= 0.0 || low_rounds_ >= params_.stop_rounds; }
   /// Latest best utility over the first one's.
   double ratio() const { return ratio_; }
 

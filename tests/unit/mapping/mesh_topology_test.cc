@@ -163,5 +163,18 @@ TEST(CubeTable, EveryCaseClosesAgainstItsComplementOnFaces) {
   }
 }
 
+TEST(MeshTopology, ProgressCountsEveryChunkOnce) {
+  const auto map = RandomOctree<TsdfField>(21);
+  std::vector<size_t> told;
+  mapping::MeshOptions options;
+  options.threads = 4;
+  options.progress = [&](size_t done, size_t chunks) {
+    EXPECT_EQ(chunks, 8u);
+    told.push_back(done);
+  };
+  ExtractMesh(map, options);
+  EXPECT_EQ(told, (std::vector<size_t>{1, 2, 3, 4, 5, 6, 7, 8}));
+}
+
 }  // namespace
 }  // namespace atlas

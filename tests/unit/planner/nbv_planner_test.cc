@@ -5,6 +5,7 @@
 #include "core/errors.h"
 #include "mapping/grid/dense_grid.h"
 #include "planner/nbv_planner.h"
+#include "planner/utility/costs.h"
 #include "tests/support/flat_ground.h"
 
 namespace atlas::planner {
@@ -170,7 +171,27 @@ TEST(NbvPlanner, PlacesFarFromEveryScanAreLookedAtBeforeItIsExhausted) {
   for (const Vec2& p : {Vec2(-4, -7), Vec2(4, -7), Vec2(-4, 1), Vec2(4, 1), Vec2(0, 2)}) {
     planner->OnSweep(core::PoseFromXyzYaw(Vec3(p.x(), p.y(), 0.44), 0.0), 100);
   }
-  EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kGainExhausted);
+  for (const Candidate& c : planner->Plan(kRobot, map, ground).candidates) EXPECT_EQ(c.worth, 0.0);
+}
+
+TEST(NbvPlanner, WhereNothingIsPromisedAnyMoreSomeRoundsGoWhereNoScanWasYet) {
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  const NbvParams params = SmallParams("greedy");
+  const auto planner = Make(params);
+  planner->OnSweep(kRobot, 500);
+  ASSERT_EQ(planner->Plan(kRobot, NearSideMapped(), ground).outcome, NbvOutcome::kView);
+  const auto known = NearSideMapped(0.12);
+  std::vector<Vec2> scans = {Vec2(0.0, -3.0)};
+  for (int round = 1; round < params.stop_rounds; ++round) {
+    const NbvDecision decision = planner->Plan(kRobot, known, ground);
+    ASSERT_EQ(decision.outcome, NbvOutcome::kView) << round;
+    const auto nearest = [&](const Candidate& c) { return DistanceToVisited(c.p_map, scans); };
+    const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
+    for (const Candidate& c : decision.candidates) EXPECT_LE(nearest(c), nearest(view) + 1e-9);
+    scans.push_back(view.p_map);
+    planner->OnSweep(core::PoseFromXyzYaw(Vec3(view.p_map.x(), view.p_map.y(), 0.44), 0.0), 500);
+  }
+  EXPECT_EQ(planner->Plan(kRobot, known, ground).outcome, NbvOutcome::kGainExhausted);
 }
 
 TEST(NbvPlanner, ACommitmentHoldsWhileTheRobotIsOnItsWay) {
