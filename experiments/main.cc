@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <functional>
 #include <iostream>
@@ -11,6 +12,7 @@
 namespace {
 
 using namespace atlas::experiments;
+namespace core = atlas::core;
 using Action = std::function<int()>;
 
 void AddRun(CLI::App* app, RunArguments* arguments, Action* action) {
@@ -132,6 +134,15 @@ void AddRecord(CLI::App* app, RecordArguments* arguments, Action* action) {
   record->callback([=] { *action = [=] { return RecordCommand(*arguments); }; });
 }
 
+/// @throws InputError naming the command that is near.
+void CheckCommand(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
+  throw core::InputError(core::UnknownName("command", argv[1], names));
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("SE-Atlas testbed: active mapping with a walking robot in simulation", "atlas");
   app.require_subcommand(1);
@@ -154,6 +165,7 @@ int Main(int argc, char** argv) {
   AddMapCommands(&app, run.threads, &action);
   BenchArguments bench;
   AddBench(&app, &bench, &action);
+  CheckCommand(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -28,7 +28,7 @@ TEST_F(CommandLine, UnknownNamesSuggestTheNearOne) {
   ExpectRefusal("run helicopter --set sensors.lidar=vlp61", {"did you mean 'vlp16'"});
   ExpectRefusal("run helicopter --set robot=quadrupled", {"did you mean 'quadruped'"});
   ExpectRefusal("list scene", {"did you mean 'scenes'"});
-  ExpectRefusal("runn helicopter", {});
+  ExpectRefusal("runn helicopter", {"runn", "did you mean 'run'"});
   ExpectRefusal("run helicopter --sed 1", {"--sed"});
 }
 
