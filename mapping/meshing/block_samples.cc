@@ -29,9 +29,10 @@ void BlockSamples<Field>::Gather(const Octree<Field>& map, const ChunkNeighbours
     const auto copy = [&](const auto& get) {
       for (int z = sz.begin; z < sz.end; ++z) {
         for (int y = sy.begin; y < sy.end; ++y) {
-          float* row = &sample_[static_cast<size_t>(
-              (8 * dx - kBegin) + kRow * ((y + 8 * dy - kBegin) + kRow * (z + 8 * dz - kBegin)))];
-          for (int x = sx.begin; x < sx.end; ++x) row[x] = get(x, y, z);
+          const int first =
+              (sx.begin + 8 * dx - kBegin) + kRow * ((y + 8 * dy - kBegin) + kRow * (z + 8 * dz - kBegin));
+          float* to = &sample_[static_cast<size_t>(first)];
+          for (int x = sx.begin; x < sx.end; ++x) *to++ = get(x, y, z);
         }
       }
     };
