@@ -72,6 +72,7 @@ BeamGrid MakeBeamGrid(const core::LidarModel& lidar) {
     throw core::InputError(name + "needs 16 to 16384 columns a turn");
   }
   grid.column_pitch_rad = 2.0 * core::kPi / grid.columns;
+  grid.clockwise = lidar.StepRad() < 0.0;
   grid.min_pitch_rad = grid.column_pitch_rad;
   const double turn = (lidar.first_azimuth_rad + core::kPi) / grid.column_pitch_rad;
   grid.phase_rad = -core::kPi + (turn - std::floor(turn)) * grid.column_pitch_rad;

@@ -17,6 +17,7 @@ struct BeamGrid {
   int columns = 0;
   double column_pitch_rad = 0.0;
   double phase_rad = 0.0;      ///< azimuth of column 0, in [-pi, -pi + pitch)
+  bool clockwise = false;      ///< scans run against the columns, seen from above
   double min_pitch_rad = 0.0;  ///< least angle between neighbouring beams: opening of their cones (4.5.1)
   double mean_row_pitch_rad = 0.0;
   std::vector<float> elevation_rad;  ///< a row each, descending

@@ -3,16 +3,11 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "mapping/integrator/fill_kernels.h"
-#include "mapping/integrator/project-inl.h"
+#include "mapping/integrator/cube-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
-
-constexpr float kSqrt3 = 1.7320508f;
-constexpr float kNear = 2.5f;        ///< closer than this many radii to the axis: not tested, taken as mixed
-constexpr float kArcExcess = 1.05f;  ///< asin(x) / x below x = 1 / kNear
 
 struct BoxVerdict {
   uint32_t mixed, full;
@@ -25,41 +20,6 @@ HWY_INLINE VI LevelFor(DF d, VI count, int shift) {
   const VI log2 =
       hn::Sub(hn::ShiftRight<23>(hn::BitCast(di, hn::ConvertTo(d, twice))), hn::Set(di, 127 + 1 + shift));
   return hn::Max(log2, hn::Zero(di));
-}
-
-/// Cells that a box can touch: rows [v0, v1], columns [u0, u1] with u0 possibly a turn off.
-struct Footprint {
-  VI v0, v1, u0, u1;
-  MF outside, clipped;
-};
-
-HWY_INLINE Footprint FootprintOf(DF d, const BeamGrid& grid, VF x, VF y, VF z, VF distance, float radius) {
-  const DI di;
-  const VF one = hn::Set(d, 1.0f);
-  const VF flat = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
-  const VF safe_flat = hn::Max(flat, hn::Set(d, 1e-6f));
-  const VF inverse = hn::Div(one, hn::Max(distance, hn::Set(d, 1e-6f)));
-  // Sines of the elevation plus and minus the angular radius.
-  const VF sa = hn::Min(hn::Mul(hn::Set(d, radius), inverse), one);
-  const VF ca = hn::Sqrt(hn::Sub(one, hn::Mul(sa, sa)));
-  const VF se = hn::Mul(z, inverse), ce = hn::Mul(flat, inverse);
-  const VF a = hn::Mul(se, ca), b = hn::Mul(ce, sa);
-  const VF top = RowOf(d, grid, hn::Add(a, b)), bottom = RowOf(d, grid, hn::Sub(a, b));
-  const VF last = hn::Set(d, static_cast<float>(grid.rows - 1));
-  const VF half = hn::Set(d, 0.5f);
-  Footprint f;
-  f.outside = hn::Or(hn::Lt(bottom, hn::Neg(half)), hn::Gt(top, hn::Add(last, half)));
-  f.clipped = hn::Or(hn::Lt(top, hn::Zero(d)), hn::Gt(bottom, last));
-  f.v0 = FloorPositive(di, hn::Min(hn::Max(top, hn::Zero(d)), last));
-  f.v1 = hn::Min(FloorPositive(di, hn::Add(hn::Max(bottom, hn::Zero(d)), one)), hn::Set(di, grid.rows - 1));
-  const VF u = ColumnOf(d, grid, x, y);
-  const VF reach = hn::Mul(hn::Div(hn::Set(d, radius), safe_flat),
-                           hn::Set(d, kArcExcess / static_cast<float>(grid.column_pitch_rad)));
-  const VF turn = hn::Set(d, static_cast<float>(grid.columns));
-  f.u0 = hn::Sub(FloorPositive(di, hn::Add(hn::Max(hn::Sub(u, reach), hn::Neg(turn)), turn)),
-                 hn::Set(di, grid.columns));
-  f.u1 = FloorPositive(di, hn::Add(hn::Min(hn::Add(u, reach), hn::Add(turn, turn)), one));
-  return f;
 }
 
 struct Bounds {
@@ -102,49 +62,49 @@ HWY_INLINE Bounds BoundsOf(DF d, const ScanImage& image, const Footprint& f) {
   return {hn::Mul(hn::ConvertTo(d, low), unit), hn::Mul(hn::ConvertTo(d, high), unit), known};
 }
 
-HWY_INLINE BoxVerdict TestVector(DF d, const ScanImage& image, const ScanFrame& frame, VF wx, VF wy, VF wz,
-                                 float half_side) {
-  const VF dx = hn::Sub(wx, hn::Set(d, frame.sensor[0])), dy = hn::Sub(wy, hn::Set(d, frame.sensor[1])),
-           dz = hn::Sub(wz, hn::Set(d, frame.sensor[2]));
-  const auto component = [&](int c) {
-    return hn::Add(
-        hn::Add(hn::Mul(dx, hn::Set(d, frame.axis[0][c])), hn::Mul(dy, hn::Set(d, frame.axis[1][c]))),
-        hn::Mul(dz, hn::Set(d, frame.axis[2][c])));
-  };
-  const VF x = component(0), y = component(1), z = component(2);
+/// Cubes too near to the axis are not tested: mixed.
+HWY_INLINE BoxVerdict VerdictOf(DF d, const ScanImage& image, const ScanFrame& frame, const Cubes& m,
+                                const Footprint& f, float half_side) {
   const float radius = half_side * kSqrt3 * frame.resolution_m;
-  const float centres = (half_side - 0.5f) * kSqrt3 * frame.resolution_m;  // radius of the voxels' centres
-  const VF flat2 = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
-  const VF distance = hn::Sqrt(hn::Add(flat2, hn::Mul(z, z)));
-  const MF near = hn::Lt(flat2, hn::Set(d, kNear * kNear * radius * radius));
-  const Footprint f = FootprintOf(d, *image.grid, x, y, z, distance, radius);
+  const MF near = hn::Lt(m.flat, hn::Set(d, kNear * radius));
   const Bounds bounds = BoundsOf(d, image, f);
-  const MF none = hn::And(bounds.known, hn::Ge(hn::Sub(distance, hn::Set(d, centres)), bounds.greatest));
+  // Of the voxels' middles the nearest, of the whole cube the farthest point.
+  const VF nearest = hn::Sub(m.distance, hn::Mul(m.along, hn::Set(d, (half_side - 0.5f) / half_side)));
+  const VF corner = hn::Sub(hn::Set(d, radius * radius), hn::Mul(m.along, m.along));
+  const VF farthest = hn::Add(hn::Add(m.distance, m.along), hn::Div(corner, hn::Add(m.distance, m.distance)));
+  const MF none = hn::And(bounds.known, hn::Ge(nearest, bounds.greatest));
   const MF gone = hn::AndNot(near, hn::Or(f.outside, none));
-  const MF all = hn::And(bounds.known, hn::Lt(hn::Add(distance, hn::Set(d, radius)), bounds.least_own));
+  const MF all = hn::And(bounds.known, hn::Lt(farthest, bounds.least_own));
   const MF full = hn::AndNot(hn::Or(near, hn::Or(gone, f.clipped)), all);
   const uint32_t full_bits = BitsOf(d, full), gone_bits = BitsOf(d, gone);
   return {~(full_bits | gone_bits), full_bits};
 }
 
-void TestBoxGroup(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y,
-                  const float* z, float half_side, uint32_t* mixed, uint32_t* full) {
+/// @param slopes  where not null, filled too where cubes are mixed.
+CubeTests TestCubes(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y,
+                    const float* z, float half_side, CubeSlopes* slopes) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
   const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
-  uint32_t m = 0, f = 0;
+  const float per_voxel = frame.resolution_m / static_cast<float>(image.grid->min_pitch_rad);
+  CubeTests out;
   for (size_t i = 0; i < kGroup; i += lanes) {
-    const BoxVerdict v =
-        TestVector(d, image, frame, hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), half_side);
-    m |= (v.mixed & lane_bits) << i;
-    f |= (v.full & lane_bits) << i;
+    const Cubes cubes =
+        CubesAt(d, frame, hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), half_side);
+    const Footprint footprint = FootprintOf(d, *image.grid, cubes);
+    const BoxVerdict v = VerdictOf(d, image, frame, cubes, footprint, half_side);
+    const auto put = [&](uint32_t bits, uint32_t* to) { *to |= (bits & lane_bits) << i; };
+    put(v.mixed, &out.mixed);
+    put(v.full, &out.full);
+    put(BitsOf(d, hn::Ge(cubes.distance, hn::Set(d, 2.0f * per_voxel))), &out.two_apart);
+    put(BitsOf(d, hn::Ge(cubes.distance, hn::Set(d, 4.0f * per_voxel))), &out.four_apart);
+    if (slopes == nullptr || (v.mixed & lane_bits) == 0) continue;
+    put(BitsOf(d, StoreSlopes(d, frame, *image.grid, cubes, footprint, half_side, i, slopes)), &out.smooth);
   }
-  *mixed = m;
-  *full = f;
+  return out;
 }
 
-void TestChunk(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockMask* mixed,
-               BlockMask* full) {
+void TestChunk(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockTests* out) {
   float x[kGroup], y[kGroup], z[kGroup];
   for (int group = 0; group < kChunkBlocks / 16; ++group) {
     for (int i = 0; i < 16; ++i) {
@@ -154,12 +114,33 @@ void TestChunk(const ScanImage& image, const ScanFrame& frame, const NodeKey& co
       y[at] = static_cast<float>(corner.y + 8 * block.y + 4);
       z[at] = static_cast<float>(corner.z + 8 * block.z + 4);
     }
-    uint32_t m, f;
-    TestBoxGroup(image, frame, x, y, z, 4.0f, &m, &f);
+    const CubeTests tests = TestCubes(image, frame, x, y, z, 4.0f, nullptr);
     const auto word = static_cast<size_t>(group / 4);
-    mixed->bits[word] |= static_cast<uint64_t>(m) << (16 * (group % 4));
-    full->bits[word] |= static_cast<uint64_t>(f) << (16 * (group % 4));
+    const auto put = [&](uint32_t bits, BlockMask* mask) {
+      mask->bits[word] |= static_cast<uint64_t>(bits) << (16 * (group % 4));
+    };
+    put(tests.mixed, &out->mixed);
+    put(tests.full, &out->full);
+    put(tests.two_apart, &out->two_apart);
+    put(tests.four_apart, &out->four_apart);
   }
+}
+
+uint32_t SlopesOfBlocks(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y,
+                        const float* z, CubeSlopes* out) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d);
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
+  constexpr float kHalf = 0.5f * kBlockSide;
+  uint32_t smooth = 0;
+  for (size_t i = 0; i < kGroup; i += lanes) {
+    const Cubes cubes =
+        CubesAt(d, frame, hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), kHalf);
+    const MF holds =
+        StoreSlopes(d, frame, *image.grid, cubes, FootprintOf(d, *image.grid, cubes), kHalf, i, out);
+    smooth |= (BitsOf(d, holds) & lane_bits) << i;
+  }
+  return smooth;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -169,20 +150,42 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace atlas::mapping {
 namespace {
-HWY_EXPORT(TestBoxGroup);
+HWY_EXPORT(TestCubes);
 HWY_EXPORT(TestChunk);
+HWY_EXPORT(SlopesOfBlocks);
 }  // namespace
 
-void TestBoxes(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y, const float* z,
-               float half_side_voxels, uint32_t* mixed, uint32_t* full) {
-  HWY_DYNAMIC_DISPATCH(TestBoxGroup)(image, frame, x, y, z, half_side_voxels, mixed, full);
+CubeTests TestBoxes(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y,
+                    const float* z, float half_side_voxels) {
+  return HWY_DYNAMIC_DISPATCH(TestCubes)(image, frame, x, y, z, half_side_voxels, nullptr);
 }
 
-void TestBlocks(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockMask* mixed,
-                BlockMask* full) {
-  *mixed = BlockMask{};
-  *full = BlockMask{};
-  HWY_DYNAMIC_DISPATCH(TestChunk)(image, frame, corner, mixed, full);
+void TestOctants(const ScanImage& image, const ScanFrame& frame, const NodeKey corner[2], OctantTests* out) {
+  float x[16], y[16], z[16];
+  for (size_t i = 0; i < 16; ++i) {
+    const NodeKey& c = corner[i >> 3];
+    x[i] = static_cast<float>(c.x + (i & 1 ? 6 : 2));
+    y[i] = static_cast<float>(c.y + (i & 2 ? 6 : 2));
+    z[i] = static_cast<float>(c.z + (i & 4 ? 6 : 2));
+  }
+  out->cubes = HWY_DYNAMIC_DISPATCH(TestCubes)(image, frame, x, y, z, 2.0f, &out->slopes);
+}
+
+void TestBlocks(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockTests* out) {
+  *out = BlockTests{};
+  HWY_DYNAMIC_DISPATCH(TestChunk)(image, frame, corner, out);
+}
+
+uint32_t FindBlockSlopes(const ScanImage& image, const ScanFrame& frame, const NodeKey* corners, size_t count,
+                         CubeSlopes* out) {
+  float x[16], y[16], z[16];
+  for (size_t i = 0; i < 16; ++i) {
+    const NodeKey& c = corners[std::min(i, count - 1)];
+    x[i] = static_cast<float>(c.x + kBlockSide / 2);
+    y[i] = static_cast<float>(c.y + kBlockSide / 2);
+    z[i] = static_cast<float>(c.z + kBlockSide / 2);
+  }
+  return HWY_DYNAMIC_DISPATCH(SlopesOfBlocks)(image, frame, x, y, z, out);
 }
 
 }  // namespace atlas::mapping

@@ -1,4 +1,4 @@
-#include <cmath>
+#include <cstring>
 
 #include "mapping/integrator/block_writer.h"
 #include "mapping/integrator/chunk_fill.h"
@@ -76,7 +76,8 @@ class OccupancyEvidence {
 /// Distances to the planes of the nearest beams, measured voxel by voxel.
 class TsdfEvidence {
  public:
-  TsdfEvidence(const FillContext& context, const ChunkWork& work) : context_(context), mixed_(work.mixed) {}
+  TsdfEvidence(const FillContext& context, const ChunkWork& work)
+      : context_(context), mixed_(work.blocks.mixed) {}
   uint64_t Candidates(size_t) const { return 0; }
   const int16_t* Of(int block, const NodeKey& corner, int scale) {
     if (!mixed_.Test(block)) return nullptr;
@@ -129,19 +130,32 @@ class Filler {
   void Run() {
     if (work_.cut) CutBlocks();
     for (size_t word = 0; word < 8; ++word) {
-      const uint64_t full = work_.full.bits[word], candidates = evidence_.Candidates(word);
+      if constexpr (std::is_same_v<Field, OccupancyField>) {
+        // A partial miss adds nothing to what is free as a whole already.
+        if (!context_.rules.lossless) {
+          work_.blocks.mixed.bits[word] &= ~FreeAlready(word) | evidence_.Candidates(word);
+        }
+      }
+      const uint64_t full = work_.blocks.full.bits[word], candidates = evidence_.Candidates(word);
       const uint64_t leaves = chunk_->fine.bits[word] | chunk_->coarse.bits[word];
       if (const uint64_t whole = full & ~leaves & ~candidates) writer_.FreeUniform(word, whole);
       ForEach(full & (leaves | candidates), word, [&](int block) { FreeWhole(block); });
-      ForEach((work_.mixed.bits[word] | candidates) & ~full, word, [&](int block) { FillMixed(block); });
+      ForEach((work_.blocks.mixed.bits[word] | candidates) & ~full, word,
+              [&](int block) { FillMixed(block); });
     }
     writer_.Close();
   }
 
  private:
   template <typename Visit>
-  static void ForEach(uint64_t bits, size_t word, const Visit& visit) {
-    for (; bits != 0; bits &= bits - 1) visit(static_cast<int>(64 * word) + __builtin_ctzll(bits));
+  void ForEach(uint64_t bits, size_t word, const Visit& visit) {
+    const int first = static_cast<int>(64 * word);
+    for (; bits != 0; bits &= bits - 1) {
+      const int block = first + __builtin_ctzll(bits);
+      const uint64_t rest = bits & (bits - 1);
+      next_ = rest == 0 ? block : first + __builtin_ctzll(rest);
+      visit(block);
+    }
   }
 
   NodeKey CornerOf(int block) const {
@@ -158,10 +172,10 @@ class Filler {
       Keep(block, &all);
       uint64_t any = 0;
       for (const uint64_t layer : all.layer) any |= layer;
-      const bool reached = work_.mixed.Test(block) || work_.full.Test(block);
-      work_.full.Clear(block);
-      work_.mixed.Clear(block);
-      if (any != 0 && reached) work_.mixed.Set(block);
+      const bool reached = work_.blocks.mixed.Test(block) || work_.blocks.full.Test(block);
+      work_.blocks.full.Clear(block);
+      work_.blocks.mixed.Clear(block);
+      if (any != 0 && reached) work_.blocks.mixed.Set(block);
     }
   }
 
@@ -174,7 +188,22 @@ class Filler {
     }
   }
 
+  /// The uniform blocks that are free.
+  uint64_t FreeAlready(size_t word) const {
+    uint64_t free = 0;
+    for (size_t i = 0; i < 8; ++i) {
+      uint64_t values;
+      std::memcpy(&values, chunk_->uniform.log_odds + 64 * word + 8 * i, sizeof values);
+      free |= ((values & 0x8080808080808080u) * 0x0002040810204081u >> 56) << (8 * i);
+    }
+    return free & ~(chunk_->fine.bits[word] | chunk_->coarse.bits[word]);
+  }
+
   void FillMixed(int block) {
+    if (chunk_->fine.Test(next_)) {
+      const char* leaf = reinterpret_cast<const char*>(&map_->Fine(*chunk_, next_));
+      for (size_t i = 0; i < sizeof(typename Octree<Field>::FineLeaf); i += 64) __builtin_prefetch(leaf + i);
+    }
     const bool inside = Inside(block);
     const int cone = ScaleAt(block);
     if constexpr (std::is_same_v<Field, TsdfField>) {
@@ -184,9 +213,9 @@ class Filler {
     const bool uniform = chunk_->Kind(block) == BlockKind::kUniform;
     if (!context_.rules.lossless && uniform && evidence == nullptr &&
         Field::Free(chunk_->uniform.Get(block))) {
-      return;  // free as a whole already: a partial miss adds nothing
+      return;  // a partial miss adds nothing to what is free as a whole already
     }
-    const bool mixed = work_.mixed.Test(block);
+    const bool mixed = work_.blocks.mixed.Test(block);
     const bool by_voxel = !inside || cone == 1 || HoldsSurface(block);
     if (mixed && !by_voxel && evidence == nullptr && !chunk_->fine.Test(block)) {
       return FillCoarse(block, FreeCells(block, cone));
@@ -236,29 +265,67 @@ class Filler {
   }
 
   /// In cells of 2^3, whatever the scale.
-  uint64_t FreeCells(int block, int scale) const {
-    const uint64_t cells = TestCells(*context_.image, *context_.frame, CornerOf(block), scale);
-    return scale == 4 ? ToCells(cells) : cells;
+  uint64_t FreeCells(int block, int scale) {
+    if (scale == 4) {
+      if (block != wide_[0] && block != wide_[1]) {
+        // With the next of its kind, since two cost what one does.
+        wide_[0] = block;
+        wide_[1] = NextOf(work_.blocks.four_apart, block);
+        const NodeKey corners[2] = {CornerOf(block), CornerOf(wide_[1])};
+        wide_cells_ = TestWideCells(*context_.image, *context_.frame, corners);
+      }
+      return ToCells(wide_cells_ >> (block == wide_[0] ? 0 : 8) & 0xff);
+    }
+    if ((block >> 6) != slopes_word_ || (slopes_of_ >> (block & 63) & 1) == 0) FindSlopes(block);
+    const auto lane =
+        static_cast<size_t>(__builtin_popcountll(slopes_of_ & ((uint64_t{1} << (block & 63)) - 1)));
+    return TestCells(*context_.image, *context_.frame, CornerOf(block),
+                     smooth_ >> lane & 1 ? &slopes_ : nullptr, lane);
+  }
+
+  /// Of a block and up to 15 of its kind after it in its word.
+  void FindSlopes(int block) {
+    const auto word = static_cast<size_t>(block >> 6);
+    uint64_t rest = work_.blocks.mixed.bits[word] & work_.blocks.two_apart.bits[word] &
+                    ~work_.blocks.four_apart.bits[word] & ~uint64_t{0} << (block & 63);
+    rest |= uint64_t{1} << (block & 63);
+    NodeKey corners[16];
+    size_t count = 0;
+    slopes_word_ = block >> 6;
+    slopes_of_ = 0;
+    for (; rest != 0 && count < 16; rest &= rest - 1) {
+      slopes_of_ |= rest & -rest;
+      corners[count++] = CornerOf(static_cast<int>(64 * word) + __builtin_ctzll(rest));
+    }
+    smooth_ = FindBlockSlopes(*context_.image, *context_.frame, corners, count, &slopes_);
+  }
+
+  /// The mixed block of `kind` after this one in its word; itself where there is none.
+  int NextOf(const BlockMask& kind, int block) const {
+    const auto word = static_cast<size_t>(block >> 6);
+    const uint64_t after = ~uint64_t{1} << (block & 63);
+    const uint64_t rest = work_.blocks.mixed.bits[word] & kind.bits[word] & after;
+    return rest == 0 ? block : static_cast<int>(64 * word) + __builtin_ctzll(rest);
   }
 
   /// Octants are tested as a whole first; those that are as free as can be need no test.
-  VoxelBits FreeVoxels(int block) const {
+  VoxelBits FreeVoxels(int block) {
     const NodeKey corner = CornerOf(block);
-    float x[16], y[16], z[16];
-    for (int i = 0; i < 16; ++i) {
-      x[i] = static_cast<float>(corner.x + 2 + 4 * (i & 1));
-      y[i] = static_cast<float>(corner.y + 2 + 4 * (i >> 1 & 1));
-      z[i] = static_cast<float>(corner.z + 2 + 4 * (i >> 2 & 1));
+    if (block != tested_[0] && block != tested_[1]) {
+      // With those of the block that most likely comes next, since twice as many cost the same.
+      tested_[0] = block;
+      tested_[1] = next_;
+      const NodeKey corners[2] = {corner, CornerOf(next_)};
+      TestOctants(*context_.image, *context_.frame, corners, &octants_);
     }
-    uint32_t mixed, full;
-    TestBoxes(*context_.image, *context_.frame, x, y, z, 2.0f, &mixed, &full);
-    full &= 0xff;
+    const int first = block == tested_[0] ? 0 : 8;
+    uint32_t full = octants_.cubes.full >> first & 0xff;
     if constexpr (std::is_same_v<Field, OccupancyField>) {
       if (chunk_->fine.Test(block)) full |= SaturatedOctants(map_->Fine(*chunk_, block).log_odds);
     }
     VoxelBits free = ToVoxels(ToCells(full));
-    mixed &= 0xff & ~full;
-    if (mixed != 0) TestVoxels(*context_.image, *context_.frame, corner, mixed, &free);
+    const uint32_t mixed = octants_.cubes.mixed >> first & 0xff & ~full;
+    if (mixed != 0) TestVoxels(*context_.image, *context_.frame, corner, octants_, first, mixed, &free);
     return free;
   }
 
@@ -292,14 +359,8 @@ class Filler {
 
   /// Thesis 4.5.1: the largest cells that the beams' cone holds at this distance.
   int ScaleAt(int block) const {
-    const NodeKey corner = CornerOf(block);
-    float p[3];
-    context_.frame->ToLidar(static_cast<float>(corner.x + 4), static_cast<float>(corner.y + 4),
-                            static_cast<float>(corner.z + 4), p);
-    const float distance = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
-    const float cone = distance * static_cast<float>(context_.image->grid->min_pitch_rad);
-    const float voxels = cone / context_.frame->resolution_m;
-    return std::min(voxels >= 4.0f ? 4 : voxels >= 2.0f ? 2 : 1, context_.max_scale);
+    const int apart = work_.blocks.four_apart.Test(block) ? 4 : work_.blocks.two_apart.Test(block) ? 2 : 1;
+    return std::min(apart, context_.max_scale);
   }
 
   bool Inside(int block) const {
@@ -335,6 +396,15 @@ class Filler {
   BlockWriter<Field> writer_;
   typename EvidenceOf<Field>::Type evidence_;
   NodeKey corner_;
+  int next_ = 0;              ///< the block after the one at hand
+  int tested_[2] = {-1, -1};  ///< the blocks of octants_
+  OctantTests octants_;
+  int wide_[2] = {-1, -1};  ///< the blocks of wide_cells_
+  uint32_t wide_cells_ = 0;
+  int slopes_word_ = -1;  ///< the blocks of slopes_: bits of this word of a BlockMask
+  uint64_t slopes_of_ = 0;
+  uint32_t smooth_ = 0;  ///< lanes of slopes_ that hold
+  CubeSlopes slopes_;
   alignas(64) Evidence kept_evidence_[kBlockVoxels];
 };
 

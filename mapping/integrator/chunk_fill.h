@@ -27,7 +27,7 @@ struct ChunkWork {
   bool all_full = false;  ///< no block needs a test of its own
   bool tested = false;    ///< its blocks are tested
   bool cut = false;       ///< part of it lies outside what is kept
-  BlockMask mixed, full;
+  BlockTests blocks;
 };
 
 template <typename Field>

@@ -30,16 +30,20 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
       return clock - before;
     };
     const double resolution = map->resolution_m();
-    const ImageOptions options = OptionsFor(resolution);
-    const ColumnPoses poses = PosesOfScan(spin, params_.motion_aware);
-    const core::Pose T_map_lidar = T_map_odom * poses.T_odom_mid;
-    RemapScan(spin.scan, poses, options, &image_);
+    ImageOptions options = OptionsFor(resolution);
+    PosesOfScan(spin, params_.motion_aware, &poses_);
+    const core::Pose T_map_lidar = T_map_odom * poses_.T_odom_mid;
+    RemapScan(spin.scan, poses_, options, &image_);
+    // Cells no wider than the beams are apart where they end: the rest of the tables is not needed.
+    const double apart_m = static_cast<double>(image_.reach_m) * grid_.min_pitch_rad;
+    while (options.max_scale > 1 && options.max_scale * resolution > apart_m) options.max_scale /= 2;
     FindPlanes(T_map_lidar.linear(), options, &image_);
     BuildTables(options, &image_);
     hits_.Place(image_, T_map_lidar, resolution, &frame_);
     stats_.image_ms = lap();
 
-    const FillContext context = ContextFor(resolution);
+    FillContext context = ContextFor(resolution);
+    context.max_scale = options.max_scale;
     if constexpr (kOccupancy)
       hits_.Scatter(image_, frame_, SurfaceModel::Of(params_, resolution), context.keep_min,
                     context.keep_max);
@@ -97,7 +101,6 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     c.rules.lossless = params_.lossless;
     c.truncation_m = static_cast<float>(params_.truncation_voxels * resolution);
     c.distance_unit_m = static_cast<float>(TsdfField::UnitM(resolution));
-    c.max_scale = params_.max_scale;
     const int chunk[3] = {frame_.first_chunk.x, frame_.first_chunk.y, frame_.first_chunk.z};
     int low[3], high[3];
     for (int a = 0; a < 3; ++a) {
@@ -144,16 +147,15 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
       y[i] = static_cast<float>(group_[i].window.y * kChunkSide + kChunkSide / 2);
       z[i] = static_cast<float>(group_[i].window.z * kChunkSide + kChunkSide / 2);
     }
-    uint32_t mixed, full;
-    TestBoxes(image_, frame_, x, y, z, kChunkSide / 2, &mixed, &full);
+    const CubeTests tests = TestBoxes(image_, frame_, x, y, z, kChunkSide / 2);
     const NodeKey &low = context.keep_min, &high = context.keep_max;
     for (size_t i = 0; i < group_.size(); ++i) {
       ChunkWork& w = group_[i];
       const bool inside = w.window.x * 64 >= low.x && w.window.y * 64 >= low.y && w.window.z * 64 >= low.z &&
                           w.window.x * 64 + 64 <= high.x && w.window.y * 64 + 64 <= high.y &&
                           w.window.z * 64 + 64 <= high.z;
-      w.all_full = (full >> i & 1) != 0 && inside;
-      w.tested = !w.all_full && ((mixed | full) >> i & 1) != 0;
+      w.all_full = (tests.full >> i & 1) != 0 && inside;
+      w.tested = !w.all_full && ((tests.mixed | tests.full) >> i & 1) != 0;
       w.cut = !inside;
       if (w.all_full || w.tested || Touched(w)) work_.push_back(w);
     }
@@ -164,9 +166,9 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     const NodeKey corner{work->window.x * kChunkSide, work->window.y * kChunkSide,
                          work->window.z * kChunkSide};
     if (work->all_full) {
-      work->full.bits.fill(~uint64_t{0});
+      work->blocks.full.bits.fill(~uint64_t{0});
     } else if (work->tested) {
-      TestBlocks(image_, frame_, corner, &work->mixed, &work->full);
+      TestBlocks(image_, frame_, corner, &work->blocks);
     }
   }
 
@@ -174,7 +176,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     chunks_.assign(work_.size(), nullptr);
     for (size_t i = 0; i < work_.size(); ++i) {
       const ChunkWork& w = work_[i];
-      if (!w.mixed.Any() && !w.full.Any() && !Touched(w)) continue;
+      if (!w.blocks.mixed.Any() && !w.blocks.full.Any() && !Touched(w)) continue;
       const NodeKey& first = frame_.first_chunk;
       chunks_[i] = map->FindOrCreate({first.x + w.window.x, first.y + w.window.y, first.z + w.window.z});
     }
@@ -185,6 +187,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
 
   IntegratorParams params_;
   BeamGrid grid_;
+  ColumnPoses poses_;
   ScanImage image_;
   ScanFrame frame_;
   HitScatter hits_;

@@ -33,14 +33,43 @@ struct ScanFrame {
   }
 };
 
-/// 16 cubes by their centres in window coordinates. A bit each: `full`, wholly in front of every beam that
-/// can touch it; `mixed`, may hold free cells (or, with ImageOptions::reach_behind_m, cells near a return).
-void TestBoxes(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y, const float* z,
-               float half_side_voxels, uint32_t* mixed, uint32_t* full);
+/// What 16 cubes are to a scan, a bit each.
+struct CubeTests {
+  uint32_t full = 0;   ///< wholly in front of every beam that can touch it
+  uint32_t mixed = 0;  ///< may hold free cells (or, with ImageOptions::reach_behind_m, cells near a return)
+  uint32_t two_apart = 0, four_apart = 0;  ///< beams are at least so many voxels apart there (4.5.1)
+  uint32_t smooth = 0;                     ///< its CubeSlopes hold, where they were asked for
+};
+/// @param x, y, z  centres in window coordinates.
+CubeTests TestBoxes(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y,
+                    const float* z, float half_side_voxels);
 
-/// The same for all blocks of the chunk whose corner has these window coordinates.
-void TestBlocks(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockMask* mixed,
-                BlockMask* full);
+/// Grid coordinates within 16 cubes by first order: at their middles, and what a voxel along each map axis
+/// adds. Second order adds less than 0.05 voxel or row where the slopes are said to hold.
+struct CubeSlopes {
+  alignas(64) float u[16], v[16], distance[16], du[3][16], dv[3][16], ddistance[3][16];
+  alignas(64) float metres_per_column[16], metres_per_row[16];
+  /// The cells of the grid that are asked for lie in kRows x kColumns from here; first_row -1: in more.
+  static constexpr int kRows = 4, kColumns = 8;
+  alignas(64) int32_t first_column[16], first_row[16];
+};
+/// The octants (4^3 voxels each, x fastest) of two blocks.
+struct OctantTests {
+  CubeTests cubes;
+  CubeSlopes slopes;
+};
+void TestOctants(const ScanImage& image, const ScanFrame& frame, const NodeKey corner[2], OctantTests* out);
+
+/// What the blocks of a chunk are to a scan, as CubeTests.
+struct BlockTests {
+  BlockMask mixed, full, two_apart, four_apart;
+};
+/// @param corner  of the chunk, window coordinates.
+void TestBlocks(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockTests* out);
+
+/// First order within up to 16 blocks, for their cells of 2^3 voxels. Returns the lanes where it holds.
+uint32_t FindBlockSlopes(const ScanImage& image, const ScanFrame& frame, const NodeKey* corners, size_t count,
+                         CubeSlopes* out);
 
 /// A bit a voxel of a block, by z-layers.
 struct VoxelBits {
@@ -50,11 +79,15 @@ struct VoxelBits {
 /// beams around it did, a voxel is still free if its own beam pierces it, unless beams are voxels apart
 /// there.
 /// @{
-/// Adds the free voxels of these octants (4^3 voxels each, x fastest) of the block with this corner.
-void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, uint32_t octants,
-                VoxelBits* free);
-/// Cells of 2^3 (64 bits) or 4^3 voxels (8 bits) of a block, x fastest. @pre scale is 2 or 4.
-uint64_t TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, int scale);
+/// Adds the free voxels of these octants of the block with this corner, whose tests are `tests` from lane
+/// `first` on.
+void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                const OctantTests& tests, int first, uint32_t octants, VoxelBits* free);
+/// The 64 cells of 2^3 voxels of a block, x fastest. @param slopes  from lane `lane` on, if not null.
+uint64_t TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+                   const CubeSlopes* slopes, size_t lane);
+/// The 8 cells of 4^3 voxels of two blocks, 8 bits each.
+uint32_t TestWideCells(const ScanImage& image, const ScanFrame& frame, const NodeKey corner[2]);
 /// @}
 
 /// Signed distances of a block's voxels to the planes of their nearest beams, in `unit_m` clamped to

@@ -18,20 +18,9 @@ void HitScatter::Place(const ScanImage& image, const core::Pose& T_map_lidar, do
   for (auto* v : {&wx_, &wy_, &wz_}) v->resize(cells);
   float m[9];
   for (int i = 0; i < 9; ++i) m[i] = static_cast<float>(T_map_lidar.linear()(i / 3, i % 3) / resolution_m);
-  float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
-  for (size_t i = 0; i < cells; ++i) {
-    const float r = image.range[i];
-    const float scale = r < 0.0f ? -r : r > 0.0f ? 1.0f : 0.0f;
-    const float x = image.x[i] * scale, y = image.y[i] * scale, z = image.z[i] * scale;
-    const float wx = m[0] * x + m[1] * y + m[2] * z, wy = m[3] * x + m[4] * y + m[5] * z,
-                wz = m[6] * x + m[7] * y + m[8] * z;
-    wx_[i] = wx;
-    wy_[i] = wy;
-    wz_[i] = wz;
-    low[0] = std::min(low[0], wx), high[0] = std::max(high[0], wx);
-    low[1] = std::min(low[1], wy), high[1] = std::max(high[1], wy);
-    low[2] = std::min(low[2], wz), high[2] = std::max(high[2], wz);
-  }
+  float low[3], high[3];
+  float* const ends[3] = {wx_.data(), wy_.data(), wz_.data()};
+  EndsOfCells(image, m, ends, low, high);
   int32_t first[3];
   for (int a = 0; a < 3; ++a) {
     const double sensor = T_map_lidar.translation()[a] / resolution_m;
@@ -50,37 +39,53 @@ void HitScatter::Place(const ScanImage& image, const core::Pose& T_map_lidar, do
   frame->SetLanes();
 }
 
-int8_t* HitScatter::BlockAt(int32_t block) {
-  uint32_t& chunk_slot = slot_of_chunk_[static_cast<size_t>(block) / kChunkBlocks];
-  if (chunk_slot == 0) {
-    chunk_slot = static_cast<uint32_t>(chunks_used_++);
-    if (chunks_.size() < chunks_used_) chunks_.resize(chunks_used_);
-    chunks_[chunk_slot].touched = BlockMask{};
+size_t HitScatter::SlotOf(int32_t block) {
+  int32_t& row = row_of_chunk_[static_cast<size_t>(block) / kChunkBlocks];
+  const auto of_chunk = static_cast<size_t>(block) % kChunkBlocks;
+  if (row == 0) {
+    row = static_cast<int32_t>(rows_used_++);
+    const auto at = static_cast<size_t>(row);
+    touched_[at] = BlockMask{};
+    std::fill_n(slots_.begin() + static_cast<ptrdiff_t>(at * kChunkBlocks), kChunkBlocks, 0);
   }
-  ChunkHits& hits = chunks_[chunk_slot];
-  const int of_chunk = block % kChunkBlocks;
-  if (!hits.touched.Test(of_chunk)) {
-    hits.touched.Set(of_chunk);
-    hits.slot[static_cast<size_t>(of_chunk)] = static_cast<uint32_t>(blocks_used_++);
-    if (blocks_.size() < blocks_used_) blocks_.resize(std::max<size_t>(2 * blocks_.size(), 256));
-    std::memset(blocks_[blocks_used_ - 1].delta, 0, kBlockVoxels);
+  const auto at = static_cast<size_t>(row);
+  int32_t& slot = slots_[at * kChunkBlocks + of_chunk];
+  if (slot == 0) {
+    slot = static_cast<int32_t>(blocks_used_++);
+    const auto i = static_cast<int>(of_chunk);
+    touched_[at].Set(BlockIndex(i & 7, i >> 3 & 7, i >> 6));
+    std::memset(blocks_[static_cast<size_t>(slot)].delta, 0, kBlockVoxels);
   }
-  return blocks_[hits.slot[static_cast<size_t>(of_chunk)]].delta;
+  return static_cast<size_t>(slot);
+}
+
+void HitScatter::Reserve(TrailRules* rules) {
+  constexpr size_t kMost = kHitGroup * HitTrails::kVoxels;
+  if (blocks_.size() < blocks_used_ + kMost) blocks_.resize(2 * blocks_.size() + kMost);
+  if (touched_.size() < rows_used_ + kMost) {
+    touched_.resize(2 * touched_.size() + kMost);
+    slots_.resize(touched_.size() * kChunkBlocks);
+  }
+  rules->slots = slots_.data();
 }
 
 void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
                          const NodeKey& keep_min, const NodeKey& keep_max) {
-  slot_of_chunk_.assign(static_cast<size_t>(frame.chunks[0]) * static_cast<size_t>(frame.chunks[1]) *
-                            static_cast<size_t>(frame.chunks[2]),
-                        0);
-  chunks_used_ = 1;  // 0 marks none
-  blocks_used_ = 0;
-  if (chunks_.empty()) chunks_.resize(1);
-  const TrailRules rules{model, keep_min, keep_max, static_cast<float>(kCrowded / image.grid->min_pitch_rad)};
+  row_of_chunk_.assign(static_cast<size_t>(frame.chunks[0]) * static_cast<size_t>(frame.chunks[1]) *
+                           static_cast<size_t>(frame.chunks[2]),
+                       0);
+  rows_used_ = blocks_used_ = 1;
+  TrailRules rules{model,
+                   keep_min,
+                   keep_max,
+                   static_cast<float>(kCrowded / image.grid->min_pitch_rad),
+                   row_of_chunk_.data(),
+                   nullptr};
   const float* const ends[3] = {wx_.data(), wy_.data(), wz_.data()};
-  HitTrails trails;
+  HitTrails trails{};
   const size_t cells = image.range.size();
   for (size_t i = 0; i < cells; i += kHitGroup) {
+    Reserve(&rules);
     TrailsOfCells(image, ends, std::min(i, cells - kHitGroup), frame, rules, &trails);
     ScatterTrails(trails);
   }
@@ -89,26 +94,33 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
     for (size_t lane = 0; lane < kHitGroup; ++lane) {
       FillSpare(image, frame, image.spare[std::min(i + lane, image.spare.size() - 1)], lane, &group);
     }
+    Reserve(&rules);
     TrailsOfHits(group, frame, rules, &trails);
     ScatterTrails(trails);
   }
 }
 
 void HitScatter::ScatterTrails(const HitTrails& trails) {
-  int32_t block = -1;
-  int8_t* delta = nullptr;
-  for (uint32_t bits = trails.hits; bits != 0; bits &= bits - 1) {
+  int8_t* const held = blocks_.front().delta;
+  const auto at = [&](int voxel, size_t lane) {
+    const int32_t place = trails.place[voxel][lane];
+    if (place >= kBlockVoxels) return held + place;
+    return blocks_[SlotOf(trails.block[voxel][lane])].delta + trails.voxel[voxel][lane];
+  };
+  const auto raise = [](int32_t units, int8_t* value) {
+    *value = static_cast<int8_t>(*value == 0 ? units : std::max<int32_t>(units, *value));
+  };
+  uint32_t news = trails.hits & ~trails.says[0];
+  for (uint32_t bits = trails.hits & trails.says[0]; bits != 0; bits &= bits - 1) {
     const auto lane = static_cast<size_t>(__builtin_ctz(bits));
-    for (int at = 0; at < HitTrails::kVoxels; ++at) {
-      const int32_t units = trails.delta[at][lane];
-      if (units == 0) continue;
-      if (trails.block[at][lane] != block) {
-        block = trails.block[at][lane];
-        delta = BlockAt(block);
-      }
-      int8_t& held = delta[trails.voxel[at][lane]];
-      if (at == 0 && held >= trails.said[lane]) break;
-      if (held == 0 || units > held) held = static_cast<int8_t>(units);
+    int8_t* value = at(0, lane);
+    news |= static_cast<uint32_t>(*value < trails.said[lane]) << lane;
+    raise(trails.delta[0][lane], value);
+  }
+  for (int voxel = 1; voxel < HitTrails::kVoxels; ++voxel) {
+    for (uint32_t bits = news & trails.says[voxel]; bits != 0; bits &= bits - 1) {
+      const auto lane = static_cast<size_t>(__builtin_ctz(bits));
+      raise(trails.delta[voxel][lane], at(voxel, lane));
     }
   }
 }

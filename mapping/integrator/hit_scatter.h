@@ -29,27 +29,31 @@ class HitScatter {
 
   /// Of a chunk of the window by its index x + chunks[0] * (y + chunks[1] * z); null where no hit touched it.
   const BlockMask* Touched(size_t chunk) const {
-    return slot_of_chunk_[chunk] == 0 ? nullptr : &chunks_[slot_of_chunk_[chunk]].touched;
+    const int32_t row = row_of_chunk_[chunk];
+    return row == 0 ? nullptr : &touched_[static_cast<size_t>(row)];
   }
   const HitBlock& Block(size_t chunk, int block) const {
-    return blocks_[chunks_[slot_of_chunk_[chunk]].slot[static_cast<size_t>(block)]];
+    const NodeKey b = BlockOffset(block);
+    const auto at = static_cast<size_t>(row_of_chunk_[chunk] * kChunkBlocks + VoxelIndex(b.x, b.y, b.z));
+    return blocks_[static_cast<size_t>(slots_[at])];
   }
 
  private:
-  struct ChunkHits {
-    BlockMask touched;
-    std::array<uint32_t, kChunkBlocks> slot;
-  };
   void ScatterTrails(const HitTrails& trails);
   void FillSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
                  size_t lane, HitGroup* group) const;
-  int8_t* BlockAt(int32_t block);
+  /// Makes room for what a group may touch, so that pointers into blocks_ stay good through it.
+  void Reserve(TrailRules* rules);
+  /// The slot of a block (HitTrails::block), made if it has none.
+  size_t SlotOf(int32_t block);
 
   std::vector<float> wx_, wy_, wz_;  ///< ends of the hits from the sensor, voxels along the map's axes
-  std::vector<uint32_t> slot_of_chunk_;
-  std::vector<ChunkHits> chunks_;
+  // Row 0 and slot 0 are none.
+  std::vector<int32_t> row_of_chunk_;  ///< in touched_, and in slots_ times kChunkBlocks
+  std::vector<BlockMask> touched_;
+  std::vector<int32_t> slots_;  ///< of a chunk's blocks, x fastest
   std::vector<HitBlock> blocks_;
-  size_t blocks_used_ = 0, chunks_used_ = 0;
+  size_t blocks_used_ = 0, rows_used_ = 0;
 };
 
 }  // namespace atlas::mapping

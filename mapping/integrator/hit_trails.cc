@@ -97,39 +97,41 @@ HWY_INLINE VF DistanceTo(DF d, const Hits& h, const Vector3& voxel) {
   return hn::Add(hn::Add(hn::Add(x, y), z), h.support);
 }
 
-/// Bits 0, 1, 2 to 0, 3, 6.
-HWY_INLINE VI Spread(VI v) {
-  const DI di;
-  return hn::Or(hn::And(v, hn::Set(di, 1)), hn::Or(hn::ShiftLeft<2>(hn::And(v, hn::Set(di, 2))),
-                                                   hn::ShiftLeft<4>(hn::And(v, hn::Set(di, 4)))));
-}
-
 /// Stores Lanes(d) voxels of a trail; `delta` counts where `said` and the voxel is kept.
-HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, const ScanFrame& frame,
+HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept, const ScanFrame& frame,
                     const TrailRules& rules, int at, size_t lane, HitTrails* out) {
   const DI di;
-  const auto within = [&](VF v, int32_t low, int32_t high) {
-    return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low))),
-                   hn::Lt(v, hn::Set(d, static_cast<float>(high))));
-  };
-  const NodeKey &low = rules.keep_min, &high = rules.keep_max;
-  const MF kept =
-      hn::And(said, hn::And(within(voxel.x, low.x, high.x),
-                            hn::And(within(voxel.y, low.y, high.y), within(voxel.z, low.z, high.z))));
+  MF kept = said;
+  if (!all_kept) {
+    const auto within = [&](VF v, int32_t low, int32_t high) {
+      return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low))),
+                     hn::Lt(v, hn::Set(d, static_cast<float>(high))));
+    };
+    const NodeKey &low = rules.keep_min, &high = rules.keep_max;
+    kept = hn::And(said, hn::And(within(voxel.x, low.x, high.x),
+                                 hn::And(within(voxel.y, low.y, high.y), within(voxel.z, low.z, high.z))));
+  }
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << hn::Lanes(d)) - 1);
+  const uint32_t bits = BitsOf(d, kept) & lane_bits;
+  if (bits == 0) return;
+  out->says[at] |= bits << lane;
   const VI x = hn::ConvertTo(di, voxel.x), y = hn::ConvertTo(di, voxel.y), z = hn::ConvertTo(di, voxel.z);
   const VI chunk = hn::Add(
       hn::ShiftRight<6>(x),
       hn::Mul(hn::Set(di, frame.chunks[0]),
               hn::Add(hn::ShiftRight<6>(y), hn::Mul(hn::Set(di, frame.chunks[1]), hn::ShiftRight<6>(z)))));
-  const VI block = hn::Or(
-      Spread(hn::ShiftRight<3>(x)),
-      hn::Or(hn::ShiftLeft<1>(Spread(hn::ShiftRight<3>(y))), hn::ShiftLeft<2>(Spread(hn::ShiftRight<3>(z)))));
-  const VI seven = hn::Set(di, 7);
+  const VI seven = hn::Set(di, 7), fifty_six = hn::Set(di, 56);
+  const VI block = hn::Or(hn::And(hn::ShiftRight<3>(x), seven),
+                          hn::Or(hn::And(y, fifty_six), hn::ShiftLeft<3>(hn::And(z, fifty_six))));
   const VI index = hn::Or(hn::And(x, seven),
                           hn::Or(hn::ShiftLeft<3>(hn::And(y, seven)), hn::ShiftLeft<6>(hn::And(z, seven))));
   hn::Store(hn::Or(hn::ShiftLeft<9>(chunk), block), di, out->block[at] + lane);
   hn::Store(index, di, out->voxel[at] + lane);
-  hn::Store(hn::IfThenElseZero(hn::RebindMask(di, kept), delta), di, out->delta[at] + lane);
+  const VI asked = hn::IfThenElseZero(hn::RebindMask(di, kept), chunk);
+  const VI row = hn::GatherIndex(di, rules.row_of_chunk, asked);
+  const VI slot = hn::GatherIndex(di, rules.slots, hn::Or(hn::ShiftLeft<9>(row), block));
+  hn::Store(hn::Or(hn::ShiftLeft<9>(slot), index), di, out->place[at] + lane);
+  hn::Store(delta, di, out->delta[at] + lane);
 }
 
 /// No voxel of the trail can be left out.
@@ -147,14 +149,15 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const T
                             HitTrails* out) {
   const DI di;
   const Surface surface(d, rules.model, h.range);
+  const MF inside = WellInside(d, h.p, rules);
+  const bool all_kept = hn::AllTrue(d, hn::Or(inside, hn::Not(h.hit)));
   const Vector3 end{hn::Floor(h.p.x), hn::Floor(h.p.y), hn::Floor(h.p.z)};
   const VI at_end = hn::Max(hn::Set(di, rules.model.hit_units),
                             surface.Units(d, hn::Min(DistanceTo(d, h, end), surface.depth)));
-  Say(d, end, at_end, h.hit, frame, rules, 0, lane, out);
+  Say(d, end, at_end, h.hit, all_kept, frame, rules, 0, lane, out);
   const MF crowded = hn::Lt(h.range, hn::Set(d, rules.crowded_range_voxels));
   const VI enough = hn::IfThenElse(hn::RebindMask(di, crowded), at_end, hn::Add(at_end, hn::Set(di, 1)));
-  hn::Store(hn::IfThenElse(hn::RebindMask(di, WellInside(d, h.p, rules)), enough, hn::Set(di, 128)), di,
-            out->said + lane);
+  hn::Store(hn::IfThenElse(hn::RebindMask(di, inside), enough, hn::Set(di, 128)), di, out->said + lane);
 
   Walk behind = WalkFrom(d, h.p, end, h.along);
   MF goes_on = h.hit;
@@ -162,7 +165,8 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const T
     behind.Next(d);
     const VF distance = DistanceTo(d, h, behind.voxel);
     goes_on = hn::And(goes_on, hn::Le(distance, surface.depth));
-    Say(d, behind.voxel, surface.Units(d, distance), goes_on, frame, rules, 1 + step, lane, out);
+    if (hn::AllFalse(d, goes_on)) break;
+    Say(d, behind.voxel, surface.Units(d, distance), goes_on, all_kept, frame, rules, 1 + step, lane, out);
   }
   Walk front = WalkFrom(d, h.p, end, {hn::Neg(h.along.x), hn::Neg(h.along.y), hn::Neg(h.along.z)});
   goes_on = h.hit;
@@ -170,8 +174,9 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const T
     front.Next(d);
     const VF distance = DistanceTo(d, h, front.voxel);
     goes_on = hn::And(goes_on, hn::Gt(distance, hn::Neg(surface.band)));
-    Say(d, front.voxel, surface.Units(d, distance), goes_on, frame, rules, 1 + HitTrails::kBehind + step,
-        lane, out);
+    if (hn::AllFalse(d, goes_on)) break;
+    Say(d, front.voxel, surface.Units(d, distance), goes_on, all_kept, frame, rules,
+        1 + HitTrails::kBehind + step, lane, out);
   }
 }
 
@@ -184,6 +189,55 @@ HWY_INLINE void Complete(DF d, const Vector3& w, const ScanFrame& frame, Hits* h
   h->along = {hn::Mul(w.x, inverse), hn::Mul(w.y, inverse), hn::Mul(w.z, inverse)};
 }
 
+void CellEnds(const ScanImage& image, const float* rotation, float* const* end, float* low, float* high) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d), cells = image.range.size();
+  const VF zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  for (size_t a = 0; a < 3; ++a) {
+    const VF mx = hn::Set(d, rotation[3 * a]), my = hn::Set(d, rotation[3 * a + 1]),
+             mz = hn::Set(d, rotation[3 * a + 2]);
+    VF least = zero, most = zero;
+    for (size_t i = 0; i < cells; i += lanes) {
+      const size_t at = std::min(i, cells - lanes);
+      const VF r = hn::LoadU(d, image.range.data() + at);
+      const VF scale = hn::IfThenElse(hn::Lt(r, zero), hn::Neg(r), hn::IfThenElseZero(hn::Gt(r, zero), one));
+      const VF x = hn::Mul(hn::LoadU(d, image.x.data() + at), scale),
+               y = hn::Mul(hn::LoadU(d, image.y.data() + at), scale),
+               z = hn::Mul(hn::LoadU(d, image.z.data() + at), scale);
+      const VF w = hn::Add(hn::Add(hn::Mul(mx, x), hn::Mul(my, y)), hn::Mul(mz, z));
+      hn::StoreU(w, d, end[a] + at);
+      least = hn::Min(least, w);
+      most = hn::Max(most, w);
+    }
+    low[a] = hn::GetLane(hn::MinOfLanes(d, least));
+    high[a] = hn::GetLane(hn::MaxOfLanes(d, most));
+  }
+}
+
+/// Leaves out hits that add nothing to what the hit before said of the same voxel.
+HWY_INLINE void DropRepeats(HitTrails* out) {
+  const DF d;
+  const DI di;
+  const size_t lanes = hn::Lanes(di);
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
+  alignas(64) int32_t before[3][kHitGroup + 1];
+  for (size_t i = 0; i < kHitGroup; i += lanes) {
+    hn::StoreU(hn::Load(di, out->block[0] + i), di, before[0] + 1 + i);
+    hn::StoreU(hn::Load(di, out->voxel[0] + i), di, before[1] + 1 + i);
+    hn::StoreU(hn::Load(di, out->delta[0] + i), di, before[2] + 1 + i);
+  }
+  before[0][0] = before[1][0] = before[2][0] = 0;
+  uint32_t repeats = 0;
+  for (size_t i = 0; i < kHitGroup; i += lanes) {
+    const auto same = hn::And(hn::Eq(hn::LoadU(di, before[0] + i), hn::Load(di, out->block[0] + i)),
+                              hn::Eq(hn::LoadU(di, before[1] + i), hn::Load(di, out->voxel[0] + i)));
+    const auto enough = hn::Not(hn::Lt(hn::LoadU(di, before[2] + i), hn::Load(di, out->said + i)));
+    repeats |= (BitsOf(d, hn::RebindMask(d, hn::And(same, enough))) & lane_bits) << i;
+  }
+  const uint32_t told = out->hits & out->says[0];
+  out->hits &= ~(repeats & told & told << 1);
+}
+
 void CellTrails(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
                 const TrailRules& rules, HitTrails* out) {
   const DF d;
@@ -191,6 +245,7 @@ void CellTrails(const ScanImage& image, const float* const end[3], size_t first,
   const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   const VF inverse = hn::Set(d, 1.0f / frame.resolution_m);
   out->hits = 0;
+  for (uint32_t& says : out->says) says = 0;
   for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
     const size_t i = first + lane;
     Hits h;
@@ -210,6 +265,7 @@ void CellTrails(const ScanImage& image, const float* const end[3], size_t first,
     out->hits |= bits << lane;
     if (bits != 0) WriteTrails(d, h, frame, rules, lane, out);
   }
+  DropRepeats(out);
 }
 
 void GroupTrails(const HitGroup& hits, const ScanFrame& frame, const TrailRules& rules, HitTrails* out) {
@@ -217,6 +273,7 @@ void GroupTrails(const HitGroup& hits, const ScanFrame& frame, const TrailRules&
   const size_t lanes = hn::Lanes(d);
   const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   out->hits = 0;
+  for (uint32_t& says : out->says) says = 0;
   for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
     const auto load = [&](const float(&v)[3][kHitGroup]) {
       return Vector3{hn::Load(d, v[0] + lane), hn::Load(d, v[1] + lane), hn::Load(d, v[2] + lane)};
@@ -238,9 +295,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace atlas::mapping {
 namespace {
+HWY_EXPORT(CellEnds);
 HWY_EXPORT(CellTrails);
 HWY_EXPORT(GroupTrails);
 }  // namespace
+
+void EndsOfCells(const ScanImage& image, const float rotation[9], float* const end[3], float low[3],
+                 float high[3]) {
+  HWY_DYNAMIC_DISPATCH(CellEnds)(image, rotation, end, low, high);
+}
 
 void TrailsOfCells(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
                    const TrailRules& rules, HitTrails* out) {

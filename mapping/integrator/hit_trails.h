@@ -23,17 +23,29 @@ struct HitGroup {
 /// back. `delta` 0: nothing is said.
 struct HitTrails {
   static constexpr int kBehind = 4, kInFront = 2, kVoxels = 1 + kBehind + kInFront;
-  alignas(64) int32_t block[kVoxels][kHitGroup];  ///< chunk of the window times kChunkBlocks, and its block
+  /// Chunk of the window times kChunkBlocks, and the block's place there, x fastest.
+  alignas(64) int32_t block[kVoxels][kHitGroup];
   alignas(64) int32_t voxel[kVoxels][kHitGroup];  ///< VoxelIndex in the block
+  /// Where it is held: the block's slot times kBlockVoxels, and its voxel. In slot 0: in none when asked.
+  alignas(64) int32_t place[kVoxels][kHitGroup];
   alignas(64) int32_t delta[kVoxels][kHitGroup];
+  uint32_t says[kVoxels];               ///< a bit a lane: delta is not 0
   alignas(64) int32_t said[kHitGroup];  ///< where the end's voxel holds this or more, the hit adds nothing
-  uint32_t hits;                        ///< a bit a lane
+  uint32_t hits;  ///< a bit a lane; but for those after which the lane before has said it all
 };
+
+/// Where the cells' rays end, in voxels along the map's axes from the sensor, and what bounds that and the
+/// sensor. @param rotation  row-major, voxels a metre.
+void EndsOfCells(const ScanImage& image, const float rotation[9], float* const end[3], float low[3],
+                 float high[3]);
 
 struct TrailRules {
   SurfaceModel model;
   NodeKey keep_min, keep_max;  ///< voxels outside [min, max) of the window are left out
   float crowded_range_voxels;  ///< closer, hits are many a voxel, and the first that says most is enough
+  /// Where blocks are held: of each chunk of the window its row in `slots`, of each block there its slot;
+  /// row 0 and slot 0 are none.
+  const int32_t *row_of_chunk, *slots;
 };
 
 /// Trails of the 16 cells of `image` from `first`. `end` are the ends of the cells' rays, as in HitGroup.

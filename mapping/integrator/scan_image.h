@@ -31,8 +31,8 @@ struct ScanImage {
   int rows = 0, columns = 0;
   float pierce_voxels = 0.5f;  ///< a beam that passes this near to a cell's middle pierces it
 
-  // --- Rays, in the scan's order. ray_range > 0: hit at ray_x.. (a point); < 0: nothing met up to
-  // -ray_range, ray_x.. a unit direction; 0: no information. ray_u < 0: no direction either.
+  // --- Rays, rows of the scan by ascending azimuth. ray_range > 0: hit at ray_x.. (a point); < 0: nothing
+  // met up to -ray_range, ray_x.. a unit direction; 0: no information. ray_u < 0: no direction either.
   std::vector<float> ray_x, ray_y, ray_z, ray_range, ray_u, ray_v;
 
   // --- Cells, row * columns + column. The matched ray and its true place against the cell's (columns, rows).
@@ -40,6 +40,7 @@ struct ScanImage {
   std::vector<float> du, dv;
   std::vector<float> range;    ///< as ray_range
   std::vector<float> x, y, z;  ///< as ray_x
+  float reach_m = 0.0f;        ///< of the farthest cell
   /// Hits that no cell took, since another ray is nearer to each direction around.
   struct SpareHit {
     int32_t ray, cell;  ///< the cell that the ray falls into
@@ -69,17 +70,26 @@ struct ScanImage {
   int box_shift = 0;
   float box_unit_m = 0.001f;
 
-  size_t hits = 0;
+  // --- Kept from scan to scan, so that no stage asks for memory: the rays in the cells that they fall into,
+  // with a column of margin on either side, which rays were taken, and a row of bounds.
+  struct Bins {
+    std::vector<float> du, dv, distance;
+    std::vector<int32_t> ray;
+    size_t pitch = 0;
+  };
+  Bins bins;
+  std::vector<uint8_t> taken;
+  std::vector<float> row_own, row_bound;
 };
 
 /// Poses of the LiDAR through the revolution against its middle, a column each, as rows of 3 x 4 matrices.
 struct ColumnPoses {
   core::Pose T_odom_mid;
   bool moving = false;
-  std::array<std::vector<float>, 12> T_mid_lidar;  ///< a column each; empty unless moving
+  std::array<std::vector<float>, 12> T_mid_lidar;  ///< a column each, where moving
   std::vector<int32_t> pose_of_ray;  ///< where the rays of a column do not share a time; else empty
 };
-ColumnPoses PosesOfScan(const core::SpinEvent& spin, bool motion_aware);
+void PosesOfScan(const core::SpinEvent& spin, bool motion_aware, ColumnPoses* poses);
 
 void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
                ScanImage* image);
@@ -87,7 +97,9 @@ void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const Imag
 void FindPlanes(const core::Mat3& rotation_map_lidar, const ImageOptions& options, ScanImage* image);
 void BuildTables(const ImageOptions& options, ScanImage* image);
 
-/// Sizes everything for a grid.
+/// Sizes the tables for the image's grid.
+void PrepareTables(ScanImage* image);
+/// Sizes everything for a grid, tables too.
 void PrepareImage(const BeamGrid& grid, ScanImage* image);
 
 }  // namespace atlas::mapping

@@ -29,32 +29,44 @@ struct Side {
   MF hit;
 };
 
-/// Range `steps` cells along; not a hit outside the image.
-HWY_INLINE VF RangeAt(DF d, const ScanImage& image, VI row, VI column) {
+/// Ranges in a row `down` rows below `row` and `along` columns beside `column` on; not hits outside the
+/// image. Steps that all lanes share, as far away, are loads.
+HWY_INLINE VF RangeAt(DF d, const ScanImage& image, int row, size_t column, VI down, VI along) {
   const DI di;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int down_all = hn::GetLane(down), along_all = hn::GetLane(along);
+  const bool shared =
+      hn::AllTrue(di, hn::And(hn::Eq(down, hn::Set(di, down_all)), hn::Eq(along, hn::Set(di, along_all))));
+  const int first = static_cast<int>(column) + along_all;
+  if (shared && first >= 0 && first + lanes <= image.columns) {
+    const int at = row + down_all;
+    if (at < 0 || at >= image.rows) return hn::Zero(d);
+    return hn::LoadU(d, image.range.data() + static_cast<size_t>(at) * static_cast<size_t>(image.columns) +
+                            static_cast<size_t>(first));
+  }
   const VI columns = hn::Set(di, image.columns);
-  column = hn::IfThenElse(hn::Lt(column, hn::Zero(di)), hn::Add(column, columns), column);
-  column = hn::IfThenElse(hn::Gt(column, hn::Set(di, image.columns - 1)), hn::Sub(column, columns), column);
-  const VI last = hn::Set(di, image.rows - 1);
-  const VI clamped = hn::Min(hn::Max(row, hn::Zero(di)), last);
-  const VF range = hn::GatherIndex(d, image.range.data(), hn::Add(hn::Mul(clamped, columns), column));
-  return hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(row, clamped)), range);
+  VI c = hn::Add(hn::Iota(di, static_cast<int>(column)), along);
+  c = hn::IfThenElse(hn::Lt(c, hn::Zero(di)), hn::Add(c, columns), c);
+  c = hn::IfThenElse(hn::Gt(c, hn::Set(di, image.columns - 1)), hn::Sub(c, columns), c);
+  const VI r = hn::Add(hn::Set(di, row), down);
+  const VI clamped = hn::Min(hn::Max(r, hn::Zero(di)), hn::Set(di, image.rows - 1));
+  const VF range = hn::GatherIndex(d, image.range.data(), hn::Add(hn::Mul(clamped, columns), c));
+  return hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(r, clamped)), range);
 }
 
-/// `sign` is +1 where the neighbour lies towards greater angle.
-HWY_INLINE Side SlopeTo(DF d, VF range, VF q, VF neighbour, VF angle, float sign) {
+/// @param per_angle  1 over the angle to the neighbour, negative where it lies towards smaller angle.
+HWY_INLINE Side SlopeTo(DF d, VF range, VF neighbour, VF per_angle) {
   const MF hit = hn::Gt(neighbour, hn::Zero(d));
-  const VF q_near = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(hit, neighbour, range));
-  const VF slope = hn::Div(hn::Mul(hn::Sub(q, q_near), hn::Set(d, sign)), hn::Mul(angle, q));
-  return {slope, hit};
+  const VF ratio = hn::Div(range, hn::IfThenElse(hit, neighbour, range));
+  return {hn::Mul(hn::Sub(hn::Set(d, 1.0f), ratio), per_angle), hit};
 }
 
-HWY_INLINE VF JoinSides(DF d, Side a, Side b, VF q, VF angle) {
+HWY_INLINE VF JoinSides(DF d, Side a, Side b, VF q, VF per_angle) {
   const VF zero = hn::Zero(d);
   const MF both = hn::And(a.hit, b.hit);
   const VF bend = hn::Abs(hn::Sub(a.slope, b.slope));
   const VF allowed = hn::Add(hn::Mul(hn::Add(hn::Abs(a.slope), hn::Abs(b.slope)), hn::Set(d, kBendShare)),
-                             hn::Div(hn::Mul(q, hn::Set(d, kRangeNoiseM)), angle));
+                             hn::Mul(hn::Mul(q, hn::Set(d, kRangeNoiseM)), per_angle));
   const VF mean = hn::Mul(hn::Add(a.slope, b.slope), hn::Set(d, 0.5f));
   const VF flatter = hn::IfThenElse(hn::Lt(hn::Abs(a.slope), hn::Abs(b.slope)), a.slope, b.slope);
   const VF steep = hn::Set(d, kStepSlope);
@@ -82,13 +94,14 @@ HWY_INLINE Slopes SlopesOf(DF d, const ScanImage& image, int row, size_t column,
   const BeamGrid& grid = *image.grid;
   const auto at = static_cast<size_t>(row);
   const VF q = hn::Div(hn::Set(d, 1.0f), range);
-  const VI here = hn::Iota(di, static_cast<int>(column)), this_row = hn::Set(di, row);
+  const VI zero = hn::Zero(di), this_row = hn::Set(di, row);
 
   const float pitch_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at];
   const VI ku = StepsFor(d, q, pitch_u, kWidestColumns);
-  const VF angle_u = hn::Mul(hn::ConvertTo(d, ku), hn::Set(d, pitch_u));
-  const Side right = SlopeTo(d, range, q, RangeAt(d, image, this_row, hn::Add(here, ku)), angle_u, 1.0f);
-  const Side left = SlopeTo(d, range, q, RangeAt(d, image, this_row, hn::Sub(here, ku)), angle_u, -1.0f);
+  const VF one = hn::Set(d, 1.0f);
+  const VF per_u = hn::Div(one, hn::Mul(hn::ConvertTo(d, ku), hn::Set(d, pitch_u)));
+  const Side right = SlopeTo(d, range, RangeAt(d, image, row, column, zero, ku), per_u);
+  const Side left = SlopeTo(d, range, RangeAt(d, image, row, column, zero, hn::Neg(ku)), hn::Neg(per_u));
 
   const VI kv = StepsFor(d, q, grid.row_pitch_rad[at], kWidestRows);
   const VI last = hn::Set(di, image.rows - 1);
@@ -99,10 +112,11 @@ HWY_INLINE Slopes SlopesOf(DF d, const ScanImage& image, int row, size_t column,
       none, hn::Sub(hn::GatherIndex(d, grid.elevation_rad.data(), hn::Max(up, hn::Zero(di))), elevation));
   const VF angle_down =
       hn::Max(none, hn::Sub(elevation, hn::GatherIndex(d, grid.elevation_rad.data(), hn::Min(down, last))));
-  const Side above = SlopeTo(d, range, q, RangeAt(d, image, up, here), angle_up, 1.0f);
-  const Side below = SlopeTo(d, range, q, RangeAt(d, image, down, here), angle_down, -1.0f);
-  const VF angle_v = hn::Mul(hn::Add(angle_up, angle_down), hn::Set(d, 0.5f));
-  return {JoinSides(d, right, left, q, angle_u), JoinSides(d, above, below, q, angle_v)};
+  const VF per_up = hn::Div(one, angle_up), per_down = hn::Div(one, angle_down);
+  const Side above = SlopeTo(d, range, RangeAt(d, image, row, column, hn::Neg(kv), zero), per_up);
+  const Side below = SlopeTo(d, range, RangeAt(d, image, row, column, kv, zero), hn::Neg(per_down));
+  const VF per_v = hn::Div(hn::Set(d, 2.0f), hn::Add(angle_up, angle_down));
+  return {JoinSides(d, right, left, q, per_u), JoinSides(d, above, below, q, per_v)};
 }
 
 /// Turns slopes into the normal: the range grows along the surface as the slopes say.
@@ -210,11 +224,6 @@ HWY_EXPORT(PlanesOfScan);
 void FindPlanes(const core::Mat3& rotation_map_lidar, const ImageOptions& options, ScanImage* image) {
   float rotation[9];
   for (int i = 0; i < 9; ++i) rotation[i] = static_cast<float>(rotation_map_lidar(i / 3, i % 3));
-  const auto pitch = static_cast<size_t>(image->pitch), rows = static_cast<size_t>(image->rows);
-  for (size_t k = 0; (1 << k) <= options.max_scale; ++k) {
-    image->own[k].resize(rows * pitch);
-    image->surround[k].resize((rows + 1) * pitch);
-  }
   HWY_DYNAMIC_DISPATCH(PlanesOfScan)(rotation, options, image);
 }
 

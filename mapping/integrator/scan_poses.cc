@@ -32,19 +32,21 @@ void SetPose(size_t i, const core::Pose& T, ColumnPoses* out) {
 
 }  // namespace
 
-ColumnPoses PosesOfScan(const core::SpinEvent& spin, bool motion_aware) {
-  ColumnPoses out;
+void PosesOfScan(const core::SpinEvent& spin, bool motion_aware, ColumnPoses* poses) {
+  ColumnPoses& out = *poses;
+  out.moving = false;
+  out.pose_of_ray.clear();
   const core::LidarScan& scan = spin.scan;
   const auto columns = static_cast<size_t>(scan.columns);
   if (scan.time_s.empty()) {
     out.T_odom_mid = spin.T_odom_lidar.At(scan.stamp_s);
-    return out;
+    return;
   }
   const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
   const double begin_s = scan.stamp_s + static_cast<double>(*first);
   const double span_s = static_cast<double>(*last) - static_cast<double>(*first);
   out.T_odom_mid = spin.T_odom_lidar.At(begin_s + 0.5 * span_s);
-  if (!motion_aware) return out;
+  if (!motion_aware) return;
 
   const bool shared = RowsShareTimes(scan);
   const core::Pose T_mid_odom = out.T_odom_mid.inverse();
@@ -57,16 +59,13 @@ ColumnPoses PosesOfScan(const core::SpinEvent& spin, bool motion_aware) {
     out.moving = out.moving || AngleOf(T.linear()) > kStillRad || T.translation().norm() > kStillM;
     SetPose(column, T, &out);
   }
-  if (!out.moving) {
-    for (auto& entry : out.T_mid_lidar) entry.clear();
-  } else if (!shared) {
+  if (out.moving && !shared) {
     out.pose_of_ray.resize(scan.time_s.size());
     const float scale = span_s > 0.0 ? static_cast<float>(static_cast<double>(columns - 1) / span_s) : 0.0f;
     for (size_t i = 0; i < scan.time_s.size(); ++i) {
       out.pose_of_ray[i] = static_cast<int32_t>((scan.time_s[i] - *first) * scale + 0.5f);
     }
   }
-  return out;
 }
 
 }  // namespace atlas::mapping

@@ -11,18 +11,6 @@
 #include "mapping/integrator/project-inl.h"
 #include "mapping/integrator/scan_image.h"
 
-#ifndef ATLAS_MAPPING_SCAN_REMAP_BINS
-#define ATLAS_MAPPING_SCAN_REMAP_BINS
-namespace atlas::mapping {
-/// A ray a cell, rows of `pitch` with a column of margin on either side.
-struct Bins {
-  const float *du, *dv;
-  const int32_t* ray;
-  size_t pitch;
-};
-}  // namespace atlas::mapping
-#endif
-
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
@@ -94,13 +82,20 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
   VF range = hn::IfThenElseZero(hn::Or(hit, miss),
                                 hn::IfThenElse(hit, hn::Neg(limit), hn::Set(d, -options.void_range_m)));
   range = hn::IfThenElse(near_hit, r, range);
-  hn::StoreU(hn::IfThenElse(pointed, u, hn::Set(d, -1.0f)), d, image->ray_u.data() + i);
-  hn::StoreU(v, d, image->ray_v.data() + i);
+  // Rays are kept by ascending azimuth, as the grid's columns are.
+  const bool turned_round = image->grid->clockwise;
+  const size_t mirrored = static_cast<size_t>(scan.columns) - hn::Lanes(d) - column;
+  const size_t to = row * static_cast<size_t>(scan.columns) + (turned_round ? mirrored : column);
+  const auto store = [&](VF value, std::vector<float>& out) {
+    hn::StoreU(turned_round ? hn::Reverse(d, value) : value, d, out.data() + to);
+  };
+  store(hn::IfThenElse(pointed, u, hn::Set(d, -1.0f)), image->ray_u);
+  store(v, image->ray_v);
   const VF length = hn::IfThenElse(near_hit, hn::Set(d, 1.0f), safe_r);
-  hn::StoreU(hn::Div(safe_x, length), d, image->ray_x.data() + i);
-  hn::StoreU(hn::Div(safe_y, length), d, image->ray_y.data() + i);
-  hn::StoreU(hn::Div(safe_z, length), d, image->ray_z.data() + i);
-  hn::StoreU(hn::IfThenElseZero(pointed, range), d, image->ray_range.data() + i);
+  store(hn::Div(safe_x, length), image->ray_x);
+  store(hn::Div(safe_y, length), image->ray_y);
+  store(hn::Div(safe_z, length), image->ray_z);
+  store(hn::IfThenElseZero(pointed, range), image->ray_range);
 }
 
 void ProjectScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
@@ -114,10 +109,74 @@ void ProjectScan(const core::LidarScan& scan, const ColumnPoses& poses, const Im
   }
 }
 
-/// Best match of Lanes(d) cells of a row among the rays in the 3 x 3 bins around.
-HWY_INLINE void MatchCells(DF d, const Bins& bins, const ImageOptions& options, int row, size_t column,
-                           ScanImage* image) {
+/// Puts a ray into the cell that it falls into, unless that holds one nearer to its middle.
+HWY_INLINE void BinRay(size_t i, ScanImage* image) {
+  const BeamGrid& grid = *image->grid;
+  ScanImage::Bins& bins = image->bins;
+  const float u = image->ray_u[i], v = image->ray_v[i];
+  if (u < 0.0f || v < -0.5f) return;
+  const auto row = static_cast<size_t>(v + 0.5f);
+  if (row >= static_cast<size_t>(image->rows)) return;
+  auto column = static_cast<size_t>(u + 0.5f);
+  const float du = u - static_cast<float>(column), dv = v - static_cast<float>(row);
+  if (column >= static_cast<size_t>(image->columns)) column -= static_cast<size_t>(image->columns);
+  const float eu = du * static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[row];
+  const float ev = dv * grid.row_pitch_rad[row];
+  const float e = eu * eu + ev * ev;
+  const size_t bin = row * bins.pitch + column + 1;
+  if (e >= bins.distance[bin]) return;
+  bins.distance[bin] = e;
+  bins.du[bin] = du;
+  bins.dv[bin] = dv;
+  bins.ray[bin] = static_cast<int32_t>(i);
+}
+
+/// The same for Lanes(d) rays at once where they fall into cells side by side; false where they do not.
+HWY_INLINE bool BinAdjacent(DF d, size_t i, ScanImage* image) {
   const DI di;
+  const BeamGrid& grid = *image->grid;
+  ScanImage::Bins& bins = image->bins;
+  const VF half = hn::Set(d, 0.5f), zero = hn::Zero(d);
+  const VF u = hn::LoadU(d, image->ray_u.data() + i), v = hn::LoadU(d, image->ray_v.data() + i);
+  const int row = static_cast<int>(hn::GetLane(v) + 0.5f), column = static_cast<int>(hn::GetLane(u) + 0.5f);
+  const int last = column + static_cast<int>(hn::Lanes(d)) - 1;
+  if (!(hn::GetLane(v) >= -0.5f) || row >= image->rows || last >= image->columns) return false;
+  const VF v_up = hn::Add(v, half), u_up = hn::Add(u, half);
+  const VF rows = hn::Set(d, static_cast<float>(row));
+  const VF columns = hn::Add(hn::Set(d, static_cast<float>(column)), hn::Iota(d, 0.0f));
+  const MF in_row = hn::And(hn::Ge(v_up, zero), hn::Eq(hn::Floor(v_up), rows));
+  if (!hn::AllTrue(d, hn::And(in_row, hn::And(hn::Ge(u, zero), hn::Eq(hn::Floor(u_up), columns)))))
+    return false;
+  const auto at = static_cast<size_t>(row);
+  const VF du = hn::Sub(u, columns), dv = hn::Sub(v, rows);
+  const VF eu = hn::Mul(hn::Mul(du, hn::Set(d, static_cast<float>(grid.column_pitch_rad))),
+                        hn::Set(d, grid.cos_elevation[at]));
+  const VF ev = hn::Mul(dv, hn::Set(d, grid.row_pitch_rad[at]));
+  const VF e = hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev));
+  const size_t bin = at * bins.pitch + static_cast<size_t>(column) + 1;
+  const MF nearer = hn::Lt(e, hn::LoadU(d, bins.distance.data() + bin));
+  hn::BlendedStore(e, nearer, d, bins.distance.data() + bin);
+  hn::BlendedStore(du, nearer, d, bins.du.data() + bin);
+  hn::BlendedStore(dv, nearer, d, bins.dv.data() + bin);
+  hn::BlendedStore(hn::Iota(di, static_cast<int>(i)), hn::RebindMask(di, nearer), di, bins.ray.data() + bin);
+  return true;
+}
+
+void BinScan(ScanImage* image) {
+  const DF d;
+  const size_t lanes = hn::Lanes(d), rays = image->ray_u.size();
+  size_t i = 0;
+  for (; i + lanes <= rays; i += lanes) {
+    if (BinAdjacent(d, i, image)) continue;
+    for (size_t lane = 0; lane < lanes; ++lane) BinRay(i + lane, image);
+  }
+  for (; i < rays; ++i) BinRay(i, image);
+}
+
+/// Best match of Lanes(d) cells of a row among the rays in the 3 x 3 bins around; returns how far they reach.
+HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t column, ScanImage* image) {
+  const DI di;
+  const ScanImage::Bins& bins = image->bins;
   const BeamGrid& grid = *image->grid;
   const auto at = static_cast<size_t>(row);
   const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
@@ -127,8 +186,8 @@ HWY_INLINE void MatchCells(DF d, const Bins& bins, const ImageOptions& options, 
   VI best_ray = hn::Set(di, -1);
   const auto offer = [&](int dy, int dx, MF wanted) {
     const size_t i = static_cast<size_t>(row + dy) * bins.pitch + column + static_cast<size_t>(1 + dx);
-    const VF du = hn::Add(hn::LoadU(d, bins.du + i), hn::Set(d, static_cast<float>(dx)));
-    const VF dv = hn::Add(hn::LoadU(d, bins.dv + i), hn::Set(d, static_cast<float>(dy)));
+    const VF du = hn::Add(hn::LoadU(d, bins.du.data() + i), hn::Set(d, static_cast<float>(dx)));
+    const VF dv = hn::Add(hn::LoadU(d, bins.dv.data() + i), hn::Set(d, static_cast<float>(dy)));
     const VF eu = hn::Mul(du, per_u), ev = hn::Mul(dv, per_v);
     const VF e = hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev));
     MF better =
@@ -137,38 +196,54 @@ HWY_INLINE void MatchCells(DF d, const Bins& bins, const ImageOptions& options, 
     best = hn::IfThenElse(better, e, best);
     best_du = hn::IfThenElse(better, du, best_du);
     best_dv = hn::IfThenElse(better, dv, best_dv);
-    best_ray = hn::IfThenElse(hn::RebindMask(di, better), hn::LoadU(di, bins.ray + i), best_ray);
+    best_ray = hn::IfThenElse(hn::RebindMask(di, better), hn::LoadU(di, bins.ray.data() + i), best_ray);
   };
   offer(0, 0, hn::Lt(hn::Zero(d), hn::Set(d, 1.0f)));
-  const MF wanted = hn::Gt(best, hn::Set(d, options.remap_stop_rad * options.remap_stop_rad));
-  if (!hn::AllFalse(d, wanted)) {
-    for (int dy = row > 0 ? -1 : 0; dy <= (row + 1 < image->rows ? 1 : 0); ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        if (dy != 0 || dx != 0) offer(dy, dx, wanted);
-      }
+  // Rays in other columns, or rows, lie at least half a cell off: nearer ones need no look at them.
+  const float stop2 = options.remap_stop_rad * options.remap_stop_rad;
+  const float half_u = 0.5f * hn::GetLane(per_u), half_v = 0.5f * hn::GetLane(per_v);
+  const MF beside = hn::Gt(best, hn::Set(d, std::max(stop2, half_u * half_u)));
+  const MF above = hn::Gt(best, hn::Set(d, std::max(stop2, half_v * half_v)));
+  if (!hn::AllFalse(d, beside)) {
+    offer(0, -1, beside);
+    offer(0, 1, beside);
+  }
+  if (!hn::AllFalse(d, above)) {
+    for (int dy = -1; dy <= 1; dy += 2) {
+      if (row + dy < 0 || row + dy >= image->rows) continue;
+      for (int dx = -1; dx <= 1; ++dx) offer(dy, dx, above);
     }
   }
   const size_t i = at * static_cast<size_t>(image->columns) + column;
   hn::StoreU(best_du, d, image->du.data() + i);
   hn::StoreU(best_dv, d, image->dv.data() + i);
   hn::StoreU(best_ray, di, image->cell_ray.data() + i);
+  // Where the rays of cells side by side lie side by side, as nearly everywhere, their values do.
+  const int first = hn::GetLane(best_ray);
+  const bool adjacent = first >= 0 && hn::AllTrue(di, hn::Eq(best_ray, hn::Iota(di, first)));
   const MF matched = hn::RebindMask(d, hn::Gt(best_ray, hn::Set(di, -1)));
   const VI ray = hn::Max(best_ray, hn::Zero(di));
-  hn::StoreU(hn::IfThenElseZero(matched, hn::GatherIndex(d, image->ray_range.data(), ray)), d,
-             image->range.data() + i);
-  hn::StoreU(hn::GatherIndex(d, image->ray_x.data(), ray), d, image->x.data() + i);
-  hn::StoreU(hn::GatherIndex(d, image->ray_y.data(), ray), d, image->y.data() + i);
-  hn::StoreU(hn::GatherIndex(d, image->ray_z.data(), ray), d, image->z.data() + i);
+  const auto fetch = [&](const std::vector<float>& from) {
+    return adjacent ? hn::LoadU(d, from.data() + first) : hn::GatherIndex(d, from.data(), ray);
+  };
+  const VF range = hn::IfThenElseZero(matched, fetch(image->ray_range));
+  hn::StoreU(range, d, image->range.data() + i);
+  hn::StoreU(fetch(image->ray_x), d, image->x.data() + i);
+  hn::StoreU(fetch(image->ray_y), d, image->y.data() + i);
+  hn::StoreU(fetch(image->ray_z), d, image->z.data() + i);
+  return hn::Abs(range);
 }
 
-void MatchScan(const Bins& bins, const ImageOptions& options, ScanImage* image) {
+void MatchScan(const ImageOptions& options, ScanImage* image) {
   const DF d;
   const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image->columns);
+  VF reach = hn::Zero(d);
   for (int row = 0; row < image->rows; ++row) {
     for (size_t column = 0; column < columns; column += lanes) {
-      MatchCells(d, bins, options, row, std::min(column, columns - lanes), image);
+      reach = hn::Max(reach, MatchCells(d, options, row, std::min(column, columns - lanes), image));
     }
   }
+  image->reach_m = hn::GetLane(hn::MaxOfLanes(d, reach));
 }
 
 }  // namespace HWY_NAMESPACE
@@ -180,50 +255,25 @@ namespace atlas::mapping {
 namespace {
 
 HWY_EXPORT(ProjectScan);
+HWY_EXPORT(BinScan);
 HWY_EXPORT(MatchScan);
 
 constexpr float kEmptyBin = 1e9f;
 
 /// The ray nearest to the middle of each cell among those that fall into it.
-struct BinStore {
-  std::vector<float> du, dv, distance;
-  std::vector<int32_t> ray;
-  size_t pitch = 0;
-};
-
-void BinRays(const ScanImage& image, BinStore* bins) {
-  const BeamGrid& grid = *image.grid;
-  const auto columns = static_cast<size_t>(image.columns);
-  bins->pitch = columns + 2;
-  const size_t count = bins->pitch * static_cast<size_t>(image.rows);
-  bins->du.assign(count, kEmptyBin);
-  bins->dv.assign(count, kEmptyBin);
-  bins->distance.assign(count, kEmptyBin);
-  bins->ray.assign(count, -1);
-  for (size_t i = 0; i < image.ray_u.size(); ++i) {
-    const float u = image.ray_u[i], v = image.ray_v[i];
-    if (u < 0.0f || v < -0.5f) continue;
-    const auto row = static_cast<size_t>(v + 0.5f);
-    if (row >= static_cast<size_t>(image.rows)) continue;
-    auto column = static_cast<size_t>(u + 0.5f);
-    const float du = u - static_cast<float>(column), dv = v - static_cast<float>(row);
-    if (column >= columns) column -= columns;
-    const float eu = du * static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[row];
-    const float ev = dv * grid.row_pitch_rad[row];
-    const float e = eu * eu + ev * ev;
-    const size_t bin = row * bins->pitch + column + 1;
-    if (e >= bins->distance[bin]) continue;
-    bins->distance[bin] = e;
-    bins->du[bin] = du;
-    bins->dv[bin] = dv;
-    bins->ray[bin] = static_cast<int32_t>(i);
-  }
-  for (size_t row = 0; row < static_cast<size_t>(image.rows); ++row) {
-    const size_t first = row * bins->pitch, last = first + columns + 1;
+void BinRays(ScanImage* image) {
+  ScanImage::Bins& bins = image->bins;
+  const auto columns = static_cast<size_t>(image->columns);
+  // Empty bins are told by `du` alone.
+  std::fill(bins.du.begin(), bins.du.end(), kEmptyBin);
+  std::fill(bins.distance.begin(), bins.distance.end(), kEmptyBin);
+  HWY_DYNAMIC_DISPATCH(BinScan)(image);
+  for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
+    const size_t first = row * bins.pitch, last = first + columns + 1;
     const auto repeat = [&](size_t to, size_t from) {
-      bins->du[to] = bins->du[from];
-      bins->dv[to] = bins->dv[from];
-      bins->ray[to] = bins->ray[from];
+      bins.du[to] = bins.du[from];
+      bins.dv[to] = bins.dv[from];
+      bins.ray[to] = bins.ray[from];
     };
     repeat(first, last - 1);
     repeat(last, first + 1);
@@ -233,7 +283,8 @@ void BinRays(const ScanImage& image, BinStore* bins) {
 /// Hits left over once cells have chosen.
 void FindSpares(ScanImage* image) {
   image->spare.clear();
-  std::vector<uint8_t> taken(image->ray_range.size(), 0);
+  std::vector<uint8_t>& taken = image->taken;
+  taken.assign(image->ray_range.size(), 0);
   for (const int32_t ray : image->cell_ray) {
     if (ray >= 0) taken[static_cast<size_t>(ray)] = 1;
   }
@@ -258,6 +309,12 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
     v->resize(cells);
   }
   image->cell_ray.resize(cells);
+  ScanImage::Bins& bins = image->bins;
+  bins.pitch = static_cast<size_t>(grid.columns) + 2;
+  const size_t count = bins.pitch * static_cast<size_t>(grid.rows);
+  for (auto* v : {&bins.du, &bins.dv, &bins.distance}) v->resize(count);
+  bins.ray.resize(count);
+  PrepareTables(image);
 }
 
 void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
@@ -267,10 +324,8 @@ void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const Imag
     v->resize(scan.size());
   }
   HWY_DYNAMIC_DISPATCH(ProjectScan)(scan, poses, options, image);
-  BinStore bins;
-  BinRays(*image, &bins);
-  HWY_DYNAMIC_DISPATCH(MatchScan)
-  ({bins.du.data(), bins.dv.data(), bins.ray.data(), bins.pitch}, options, image);
+  BinRays(image);
+  HWY_DYNAMIC_DISPATCH(MatchScan)(options, image);
   FindSpares(image);
 }
 

@@ -75,7 +75,6 @@ void RepeatColumns(T* row, size_t columns, size_t pitch) {
 void SurroundTable(const ScanImage& image, std::vector<float>* table) {
   const auto pitch = static_cast<size_t>(image.pitch), columns = static_cast<size_t>(image.columns);
   const auto rows = static_cast<size_t>(image.rows);
-  table->resize((rows + 1) * pitch + kSlack, kNothing);
   std::fill_n(table->begin(), pitch, kNothing);
   for (size_t row = 1; row <= rows; ++row) RepeatColumns(table->data() + row * pitch, columns, pitch);
   for (size_t row = 0; row <= rows; ++row) {
@@ -95,7 +94,6 @@ void WindowLevel(const std::vector<float>& finer, size_t k, ScanImage* image) {
                           : 0;
   std::vector<float>& table = image->window[k];
   const int first = -(tall - 1), first_finer = -(tall_finer - 1);
-  table.resize(static_cast<size_t>(image->rows - first) * pitch);
   static const std::vector<float> nothing(32768, kNothing);
   const auto finer_row = [&](int row) {
     return row < first_finer || row >= image->rows
@@ -111,13 +109,6 @@ void WindowLevel(const std::vector<float>& finer, size_t k, ScanImage* image) {
 }
 
 void WindowTables(ScanImage* image) {
-  const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
-  const int bias = static_cast<int>(std::lround(std::log2(ratio)));
-  for (int k = 0; k < ScanImage::kLevels; ++k) {
-    const auto level = static_cast<size_t>(k);
-    image->window_rows[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(bias, 0)));
-    image->window_columns[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(-bias, 0)));
-  }
   for (size_t k = 2; k < ScanImage::kLevels; ++k) {
     WindowLevel(k == 2 ? image->surround[0] : image->window[k - 1], k, image);
   }
@@ -125,14 +116,9 @@ void WindowTables(ScanImage* image) {
 
 void BoxTables(const ImageOptions& options, ScanImage* image) {
   const auto columns = static_cast<size_t>(image->columns), rows = static_cast<size_t>(image->rows);
-  const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
-  image->box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);
   image->box_unit_m = (options.max_range_m + kGrazingReach * options.reach_behind_m + 1.0f) / 65000.0f;
-  const size_t pitch = columns + 256, stride = rows * pitch + kSlack;
-  image->box_pitch = pitch;
-  image->box_stride = stride;
-  image->box.resize(ScanImage::kBoxLevels * stride);
-  std::vector<float> bound(columns + kSlack), own(columns + kSlack);
+  const size_t pitch = image->box_pitch, stride = image->box_stride;
+  std::vector<float>&bound = image->row_bound, &own = image->row_own;
   for (size_t row = 0; row < rows; ++row) {
     std::copy_n(image->own[0].data() + row * static_cast<size_t>(image->pitch), columns, own.data());
     for (size_t i = 0; i < columns; ++i) {
@@ -163,6 +149,30 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
 }
 
 }  // namespace
+
+void PrepareTables(ScanImage* image) {
+  const auto pitch = static_cast<size_t>(image->pitch), columns = static_cast<size_t>(image->columns);
+  const auto rows = static_cast<size_t>(image->rows);
+  for (std::vector<float>& table : image->own) table.resize(rows * pitch);
+  for (std::vector<float>& table : image->surround) table.resize((rows + 1) * pitch + kSlack, kNothing);
+
+  const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
+  const int bias = static_cast<int>(std::lround(std::log2(ratio)));
+  for (int k = 0; k < ScanImage::kLevels; ++k) {
+    const auto level = static_cast<size_t>(k);
+    const int tall = 1 << (k == 0 ? 0 : std::max(1, k - std::max(bias, 0)));
+    image->window_rows[level] = tall;
+    image->window_columns[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(-bias, 0)));
+    if (k >= 2) image->window[level].resize((rows + static_cast<size_t>(tall) - 1) * pitch);
+  }
+
+  image->box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);
+  image->box_pitch = columns + 256;
+  image->box_stride = rows * image->box_pitch + kSlack;
+  image->box.resize(ScanImage::kBoxLevels * image->box_stride);
+  image->row_bound.resize(columns + kSlack);
+  image->row_own.resize(columns + kSlack);
+}
 
 void BuildTables(const ImageOptions& options, ScanImage* image) {
   for (size_t k = 0; (1 << k) <= options.max_scale; ++k) {

@@ -59,6 +59,8 @@ template <typename Field>
 Octree<Field>::Octree(double resolution_m)
     : resolution_m_(resolution_m),
       inverse_resolution_(1.0 / resolution_m),
+      chunk_pool_(std::make_unique<ChunkPool>()),
+      details_(std::make_unique<DetailPool>()),
       fine_(std::make_unique<SlabPool<FineLeaf>>()),
       coarse_(std::make_unique<SlabPool<CoarseLeaf>>()) {
   if (!(resolution_m >= 0.001 && resolution_m <= 10.0)) {
@@ -76,24 +78,26 @@ Octree<Field>::~Octree() = default;
 template <typename Field>
 const typename Octree<Field>::Chunk* Octree<Field>::Find(const NodeKey& chunk) const {
   const auto found = chunks_.find(ChunkCode(chunk));
-  return found == chunks_.end() ? nullptr : found->second.get();
+  return found == chunks_.end() ? nullptr : found->second;
 }
 
 template <typename Field>
 typename Octree<Field>::Chunk* Octree<Field>::Find(const NodeKey& chunk) {
   const auto found = chunks_.find(ChunkCode(chunk));
-  return found == chunks_.end() ? nullptr : found->second.get();
+  return found == chunks_.end() ? nullptr : found->second;
 }
 
 template <typename Field>
 typename Octree<Field>::Chunk* Octree<Field>::FindOrCreate(const NodeKey& chunk) {
-  std::unique_ptr<Chunk>& slot = chunks_[ChunkCode(chunk)];
-  if (!slot) {
-    slot = std::make_unique<Chunk>();
+  Chunk*& slot = chunks_[ChunkCode(chunk)];
+  if (slot == nullptr) {
+    const uint32_t cell = chunk_pool_->Allocate(0);
+    slot = new (&(*chunk_pool_)[cell]) Chunk();
+    slot->cell = cell;
     slot->key = chunk;
     slot->uniform.Fill(Field::Unknown());
   }
-  return slot.get();
+  return slot;
 }
 
 template <typename Field>
@@ -104,6 +108,8 @@ void Octree<Field>::Erase(const NodeKey& key, int worker) {
              [&](int block) { fine_->Free(chunk->detail->leaf[static_cast<size_t>(block)], worker); });
   ForEachBit(chunk->coarse,
              [&](int block) { coarse_->Free(chunk->detail->leaf[static_cast<size_t>(block)], worker); });
+  if (chunk->detail != nullptr) details_->Free(chunk->detail_cell, worker);
+  chunk_pool_->Free(chunk->cell, 0);
   chunks_.erase(ChunkCode(key));
 }
 
@@ -111,7 +117,7 @@ template <typename Field>
 std::vector<const typename Octree<Field>::Chunk*> Octree<Field>::Chunks() const {
   std::vector<std::pair<uint64_t, const Chunk*>> order;
   order.reserve(chunks_.size());
-  for (const auto& [code, chunk] : chunks_) order.emplace_back(code, chunk.get());
+  for (const auto& [code, chunk] : chunks_) order.emplace_back(code, chunk);
   std::sort(order.begin(), order.end());
   std::vector<const Chunk*> chunks;
   chunks.reserve(order.size());
@@ -145,9 +151,12 @@ void Octree<Field>::Set(const NodeKey& voxel, Value value, int worker) {
 }
 
 template <typename Field>
-typename Octree<Field>::Chunk::Detail* Octree<Field>::DetailOf(Chunk* chunk) {
-  if (!chunk->detail) chunk->detail = std::make_unique<typename Chunk::Detail>();
-  return chunk->detail.get();
+typename Octree<Field>::Chunk::Detail* Octree<Field>::DetailOf(Chunk* chunk, int worker) {
+  if (chunk->detail == nullptr) {
+    chunk->detail_cell = details_->Allocate(worker);
+    chunk->detail = new (&(*details_)[chunk->detail_cell]) typename Chunk::Detail();
+  }
+  return chunk->detail;
 }
 
 template <typename Field>
@@ -156,7 +165,7 @@ typename Octree<Field>::CoarseLeaf& Octree<Field>::MakeCoarse(Chunk* chunk, int 
   if (!chunk->coarse.Test(block)) {
     const uint32_t leaf = coarse_->Allocate(worker);
     (*coarse_)[leaf].Fill(chunk->uniform.Get(block));
-    DetailOf(chunk)->leaf[static_cast<size_t>(block)] = leaf;
+    DetailOf(chunk, worker)->leaf[static_cast<size_t>(block)] = leaf;
     chunk->coarse.Set(block);
   }
   return Coarse(chunk, block);
@@ -168,7 +177,7 @@ typename Octree<Field>::FineLeaf& Octree<Field>::MakeFine(Chunk* chunk, int bloc
   const uint32_t leaf = fine_->Allocate(worker);
   FineLeaf& fine = (*fine_)[leaf];
   Expand(*chunk, block, &fine);
-  typename Chunk::Detail* detail = DetailOf(chunk);
+  typename Chunk::Detail* detail = DetailOf(chunk, worker);
   if (chunk->coarse.Test(block)) {
     coarse_->Free(detail->leaf[static_cast<size_t>(block)], worker);
     chunk->coarse.Clear(block);
@@ -256,7 +265,7 @@ template <typename Field>
 std::vector<std::pair<NodeKey, BlockMask>> Octree<Field>::TakeChanges() {
   std::vector<std::pair<uint64_t, Chunk*>> order;
   for (const auto& [code, chunk] : chunks_) {
-    if (chunk->dirty.Any()) order.emplace_back(code, chunk.get());
+    if (chunk->dirty.Any()) order.emplace_back(code, chunk);
   }
   std::sort(order.begin(), order.end());
   std::vector<std::pair<NodeKey, BlockMask>> changes;
@@ -270,6 +279,7 @@ std::vector<std::pair<NodeKey, BlockMask>> Octree<Field>::TakeChanges() {
 
 template <typename Field>
 void Octree<Field>::SetWorkers(int workers) {
+  details_->SetWorkers(workers);
   fine_->SetWorkers(workers);
   coarse_->SetWorkers(workers);
 }

@@ -52,11 +52,12 @@ class Octree {
       std::array<uint32_t, kChunkBlocks> leaf;
       std::array<Node, kChunkBlocks> block;
     };
-    std::unique_ptr<Detail> detail;
+    Detail* detail = nullptr;
     std::array<Node, 64> level4;
     std::array<Node, 8> level5;
     Node level6;
-    BlockMask dirty;  ///< blocks written since TakeChanges
+    BlockMask dirty;                     ///< blocks written since TakeChanges
+    uint32_t cell = 0, detail_cell = 0;  ///< in the pools
 
     BlockKind Kind(int block) const {
       return fine.Test(block)     ? BlockKind::kFine
@@ -140,10 +141,17 @@ class Octree {
   Counts Count() const;
 
  private:
-  typename Chunk::Detail* DetailOf(Chunk* chunk);
+  typename Chunk::Detail* DetailOf(Chunk* chunk, int worker);
+
+  // Out of pools, since a general allocator may take milliseconds for a chunk where others left it in pieces.
+  static constexpr uint32_t kChunkSlabBits = 8;
+  using ChunkPool = SlabPool<Chunk, kChunkSlabBits>;
+  using DetailPool = SlabPool<typename Chunk::Detail, kChunkSlabBits>;
 
   double resolution_m_, inverse_resolution_;
-  std::unordered_map<uint64_t, std::unique_ptr<Chunk>> chunks_;
+  std::unordered_map<uint64_t, Chunk*> chunks_;
+  std::unique_ptr<ChunkPool> chunk_pool_;
+  std::unique_ptr<DetailPool> details_;
   std::unique_ptr<SlabPool<FineLeaf>> fine_;
   std::unique_ptr<SlabPool<CoarseLeaf>> coarse_;
 };
