@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/voxel_bits.h"
 #include "mapping/octree/octree.h"
 
 namespace atlas::mapping {
@@ -71,10 +72,6 @@ void TestBlocks(const ScanImage& image, const ScanFrame& frame, const NodeKey& c
 uint32_t FindBlockSlopes(const ScanImage& image, const ScanFrame& frame, const NodeKey* corners, size_t count,
                          CubeSlopes* out);
 
-/// A bit a voxel of a block, by z-layers.
-struct VoxelBits {
-  std::array<uint64_t, kBlockSide> layer;
-};
 /// A cell is free if its nearest beam returned behind it and no beam around it returned in front of it. Where
 /// beams around it did, a voxel is still free if its own beam pierces it, unless beams are voxels apart
 /// there.

@@ -1,0 +1,171 @@
+// Cells of a far cube against the beams, where first order places them (CubeSlopes), for each SIMD target.
+#if defined(ATLAS_MAPPING_INTEGRATOR_SMOOTH_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATLAS_MAPPING_INTEGRATOR_SMOOTH_CELLS_INL_H_
+#undef ATLAS_MAPPING_INTEGRATOR_SMOOTH_CELLS_INL_H_
+#else
+#define ATLAS_MAPPING_INTEGRATOR_SMOOTH_CELLS_INL_H_
+#endif
+
+#include "mapping/integrator/cube-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+
+/// The images that a block is tested against.
+struct CellImages {
+  const float *own, *around;
+  float pitch;
+  int columns;
+  float row_offset;    ///< from the row above a cell to the stored row of its window
+  int columns_before;  ///< of the window, left of the cell's left column
+  float rows_end;      ///< rows - 0.5
+  float pierce2;       ///< squared distance, metres
+  const ScanImage* image;
+};
+
+/// A bit each of up to 64 cells.
+struct GroupBits {
+  uint64_t clear, pierced;
+};
+
+/// Of a cube, from CubeSlopes.
+struct Slopes {
+  float u, v, distance, du[3], dv[3], ddistance[3], metres_per_column, metres_per_row;
+  int first_column, first_row;
+};
+HWY_INLINE Slopes SlopesOf(const CubeSlopes& all, size_t lane) {
+  Slopes s;
+  s.u = all.u[lane];
+  s.v = all.v[lane];
+  s.distance = all.distance[lane];
+  for (size_t a = 0; a < 3; ++a) {
+    s.du[a] = all.du[a][lane];
+    s.dv[a] = all.dv[a][lane];
+    s.ddistance[a] = all.ddistance[a][lane];
+  }
+  s.metres_per_column = all.metres_per_column[lane];
+  s.metres_per_row = all.metres_per_row[lane];
+  s.first_column = all.first_column[lane];
+  s.first_row = all.first_row[lane];
+  return s;
+}
+
+/// Looks values up by row and column of an image, anywhere.
+struct WholeImage {
+  const float* image;
+  VF pitch;
+  HWY_INLINE WholeImage(DF d, const float* first, float row_pitch, const Slopes&, int)
+      : image(first), pitch(hn::Set(d, row_pitch)) {}
+  HWY_INLINE VF At(DF d, VF row, VF column) const {
+    // Exact: images have fewer than 2^24 cells.
+    return hn::GatherIndex(d, image, hn::ConvertTo(DI(), hn::Add(hn::Mul(row, pitch), column)));
+  }
+};
+
+#if HWY_TARGET != HWY_SCALAR
+/// The same in the few cells that a far cube can meet, held in two registers of 16.
+struct ImageWindow {
+  VF upper, lower, origin;
+  HWY_INLINE ImageWindow(DF d, const float* first, float row_pitch, const Slopes& s, int last_row) {
+    constexpr int kColumns = CubeSlopes::kColumns;
+    const hn::Half<DF> dh;
+    const auto row = [&](int k) {
+      const auto at =
+          static_cast<ptrdiff_t>(std::min(s.first_row + k, last_row)) * static_cast<ptrdiff_t>(row_pitch);
+      return hn::LoadU(dh, first + at + s.first_column);
+    };
+    upper = hn::Combine(d, row(1), row(0));
+    lower = hn::Combine(d, row(3), row(2));
+    origin = hn::Set(d, static_cast<float>(s.first_row * kColumns + s.first_column));
+  }
+  HWY_INLINE VF At(DF d, VF row, VF column) const {
+    const DI di;
+    const VF eight = hn::Set(d, static_cast<float>(CubeSlopes::kColumns));
+    const VI at = hn::ConvertTo(di, hn::Sub(hn::Add(hn::Mul(row, eight), column), origin));
+    const auto index = hn::IndicesFromVec(d, hn::And(at, hn::Set(di, 15)));
+    const MF below = hn::RebindMask(d, hn::Gt(at, hn::Set(di, 15)));
+    return hn::IfThenElse(below, hn::TableLookupLanes(lower, index), hn::TableLookupLanes(upper, index));
+  }
+};
+#endif
+
+/// 4^3 cells of `side` voxels about the middle of a cube where its slopes hold: as TestGroups, without seam
+/// or borders to mind.
+template <typename Lookup>
+HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, float side) {
+  const DF d;
+  const DI di;
+  const ScanImage& image = *images.image;
+  const size_t lanes = hn::Lanes(d);
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
+  const VF half = hn::Set(d, 0.5f);
+  // From a cell to the window around it.
+  const float* const around_first = images.around +
+                                    static_cast<ptrdiff_t>((1.0f + images.row_offset) * images.pitch) -
+                                    images.columns_before;
+  const Lookup own(d, images.own, images.pitch, s, image.rows - 1);
+  const Lookup around(d, around_first, images.pitch, s, image.rows - 1);
+  alignas(64) float along_x[kGroup], along_y[kGroup];
+  for (size_t i = 0; i < kGroup; ++i) {
+    along_x[i] = side * (static_cast<float>(i & 3) - 1.5f);
+    along_y[i] = side * (static_cast<float>(i >> 2) - 1.5f);
+  }
+  alignas(64) float at_u[4 * kGroup], at_v[4 * kGroup], at_distance[4 * kGroup];
+  uint64_t in = 0;
+  for (size_t i = 0; i < kGroup; i += lanes) {
+    const VF x = hn::Load(d, along_x + i), y = hn::Load(d, along_y + i);
+    const auto layer = [&](float middle, const float slope[3]) {
+      const VF flat = hn::Add(hn::Mul(x, hn::Set(d, slope[0])), hn::Mul(y, hn::Set(d, slope[1])));
+      return hn::Add(flat, hn::Set(d, middle - 1.5f * side * slope[2]));
+    };
+    const VF u0 = layer(s.u, s.du), v0 = layer(s.v, s.dv), distance0 = layer(s.distance, s.ddistance);
+    for (int z = 0; z < 4; ++z) {
+      const auto at = static_cast<float>(z) * side;
+      const size_t slot = static_cast<size_t>(z) * kGroup + i;
+      const VF u = hn::Add(u0, hn::Set(d, at * s.du[2])), v = hn::Add(v0, hn::Set(d, at * s.dv[2]));
+      const VF distance = hn::Add(distance0, hn::Set(d, at * s.ddistance[2]));
+      const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
+      const MF behind = hn::Lt(distance, own.At(d, row, column));
+      in |= static_cast<uint64_t>(BitsOf(d, behind) & lane_bits) << slot;
+      hn::Store(u, d, at_u + slot);
+      hn::Store(v, d, at_v + slot);
+      hn::Store(distance, d, at_distance + slot);
+    }
+  }
+  GroupBits out{0, 0};
+  for (size_t slot = 0; slot < 4 * kGroup; slot += lanes) {
+    const uint32_t bits = static_cast<uint32_t>(in >> slot) & lane_bits;
+    if (bits == 0) continue;
+    const VF u = hn::Load(d, at_u + slot), v = hn::Load(d, at_v + slot),
+             distance = hn::Load(d, at_distance + slot);
+    const VF least = around.At(d, hn::Floor(v), hn::Floor(u));
+    const uint32_t clear = BitsOf(d, hn::Lt(distance, least)) & bits;
+    out.clear |= static_cast<uint64_t>(clear) << slot;
+    if (clear == bits || images.pierce2 == 0.0f) continue;
+    const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
+    const VI cell =
+        hn::ConvertTo(di, hn::Add(hn::Mul(row, hn::Set(d, static_cast<float>(images.columns))), column));
+    const VF du = hn::GatherIndex(d, image.du.data(), cell), dv = hn::GatherIndex(d, image.dv.data(), cell);
+    const VF eu = hn::Mul(hn::Sub(hn::Sub(u, column), du), hn::Set(d, s.metres_per_column));
+    const VF ev = hn::Mul(hn::Sub(hn::Sub(v, row), dv), hn::Set(d, s.metres_per_row));
+    const MF through = hn::Lt(hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev)), hn::Set(d, images.pierce2));
+    out.pierced |= static_cast<uint64_t>(BitsOf(d, through) & bits & ~clear) << slot;
+  }
+  return out;
+}
+
+HWY_INLINE GroupBits TestSmooth(const CellImages& images, const Slopes& s, float side) {
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (hn::MaxLanes(DF()) == kGroup) {
+    if (s.first_row >= 0) return TestSmoothBy<ImageWindow>(images, s, side);
+  }
+#endif
+  return TestSmoothBy<WholeImage>(images, s, side);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#endif
