@@ -44,14 +44,17 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
 
     FillContext context = ContextFor(resolution);
     context.max_scale = options.max_scale;
-    if constexpr (kOccupancy)
-      hits_.Scatter(image_, frame_, SurfaceModel::Of(params_, resolution), context.keep_min,
-                    context.keep_max);
-    stats_.hit_ms = lap();
-
     map->SetWorkers(params_.threads);
     FindChunks(context);
-    ForEachDynamic(params_.threads, work_.size(), [&](size_t i, int) { TestChunkBlocks(&work_[i]); });
+    // Hits fall into place while blocks are tested.
+    ForEachDynamic(params_.threads, work_.size() + 1, [&](size_t i, int) {
+      if (i > 0) return TestChunkBlocks(&work_[i - 1]);
+      if constexpr (kOccupancy)
+        hits_.Scatter(image_, frame_, SurfaceModel::Of(params_, resolution), context.keep_min,
+                      context.keep_max);
+    });
+    stats_.hit_ms = lap();
+    AddTouchedChunks(context);
     Fill(context, map);
     stats_.fill_ms = lap();
     stats_.rays = spin.scan.size();
@@ -86,6 +89,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     if (!kOccupancy)
       o.reach_behind_m = static_cast<float>(params_.truncation_voxels * resolution * params_.max_scale);
     o.motion_aware = params_.motion_aware;
+    o.threads = params_.threads;
     return o;
   }
 
@@ -140,6 +144,23 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     if (!group.empty()) TestGroup(context);
   }
 
+  /// Chunks that bear hits and nothing else.
+  void AddTouchedChunks(const FillContext& context) {
+    if constexpr (kOccupancy) {
+      found_.assign(hits_.chunks(), 0);
+      for (const ChunkWork& w : work_) found_[w.index] = 1;
+      const auto nx = static_cast<size_t>(frame_.chunks[0]), ny = static_cast<size_t>(frame_.chunks[1]);
+      for (size_t i = 0; i < found_.size(); ++i) {
+        if (found_[i] != 0 || hits_.Touched(i) == nullptr) continue;
+        ChunkWork w;
+        w.index = i;
+        w.window = {static_cast<int>(i % nx), static_cast<int>(i / nx % ny), static_cast<int>(i / nx / ny)};
+        w.cut = !Inside(context, w.window);
+        work_.push_back(w);
+      }
+    }
+  }
+
   void TestGroup(const FillContext& context) {
     float x[16] = {}, y[16] = {}, z[16] = {};
     for (size_t i = 0; i < group_.size(); ++i) {
@@ -148,18 +169,23 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
       z[i] = static_cast<float>(group_[i].window.z * kChunkSide + kChunkSide / 2);
     }
     const CubeTests tests = TestBoxes(image_, frame_, x, y, z, kChunkSide / 2);
-    const NodeKey &low = context.keep_min, &high = context.keep_max;
     for (size_t i = 0; i < group_.size(); ++i) {
       ChunkWork& w = group_[i];
-      const bool inside = w.window.x * 64 >= low.x && w.window.y * 64 >= low.y && w.window.z * 64 >= low.z &&
-                          w.window.x * 64 + 64 <= high.x && w.window.y * 64 + 64 <= high.y &&
-                          w.window.z * 64 + 64 <= high.z;
+      const bool inside = Inside(context, w.window);
       w.all_full = (tests.full >> i & 1) != 0 && inside;
       w.tested = !w.all_full && ((tests.mixed | tests.full) >> i & 1) != 0;
       w.cut = !inside;
-      if (w.all_full || w.tested || Touched(w)) work_.push_back(w);
+      if (w.all_full || w.tested) work_.push_back(w);
     }
     group_.clear();
+  }
+
+  /// Whether a chunk lies wholly in what is kept.
+  static bool Inside(const FillContext& context, const NodeKey& chunk) {
+    const NodeKey &low = context.keep_min, &high = context.keep_max;
+    return chunk.x * kChunkSide >= low.x && (chunk.x + 1) * kChunkSide <= high.x &&
+           chunk.y * kChunkSide >= low.y && (chunk.y + 1) * kChunkSide <= high.y &&
+           chunk.z * kChunkSide >= low.z && (chunk.z + 1) * kChunkSide <= high.z;
   }
 
   void TestChunkBlocks(ChunkWork* work) const {
@@ -192,6 +218,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
   ScanFrame frame_;
   HitScatter hits_;
   std::vector<ChunkWork> work_, group_;
+  std::vector<uint8_t> found_;
   std::vector<typename Octree<Field>::Chunk*> chunks_;
   IntegrationStats stats_;
 };

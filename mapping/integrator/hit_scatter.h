@@ -27,6 +27,8 @@ class HitScatter {
   void Scatter(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
                const NodeKey& keep_min, const NodeKey& keep_max);
 
+  /// Of the window.
+  size_t chunks() const { return row_of_chunk_.size(); }
   /// Of a chunk of the window by its index x + chunks[0] * (y + chunks[1] * z); null where no hit touched it.
   const BlockMask* Touched(size_t chunk) const {
     const int32_t row = row_of_chunk_[chunk];

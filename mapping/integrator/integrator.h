@@ -45,7 +45,7 @@ struct IntegratorParams {
 
 /// What one call did, for benches and progress.
 struct IntegrationStats {
-  double image_ms = 0.0, hit_ms = 0.0, fill_ms = 0.0;  ///< CPU
+  double image_ms = 0.0, hit_ms = 0.0, fill_ms = 0.0;  ///< CPU of the calling thread
   size_t rays = 0, hits = 0, blocks_free = 0, blocks_mixed = 0;
 };
 

@@ -24,6 +24,7 @@ struct ImageOptions {
   float reach_behind_m = 0.0f;  ///< voxels this far behind a return still matter to the fill stage
   int max_scale = 4;
   bool motion_aware = true;
+  int threads = 1;
 };
 
 struct ScanImage {
@@ -80,6 +81,7 @@ struct ScanImage {
   Bins bins;
   std::vector<uint8_t> taken;
   std::vector<float> row_own, row_bound;
+  std::vector<float> row_reach_m;  ///< a worker each
 };
 
 /// Poses of the LiDAR through the revolution against its middle, a column each, as rows of 3 x 4 matrices.

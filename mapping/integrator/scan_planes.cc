@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/parallel_for.h"
 #include "mapping/integrator/project-inl.h"
 #include "mapping/integrator/scan_image.h"
 
@@ -190,10 +191,11 @@ HWY_INLINE void StoreMargins(DF d, const ImageOptions& options, VF range, MF hit
   }
 }
 
-void PlanesOfScan(const float* rotation, const ImageOptions& options, ScanImage* image) {
+void PlanesOfRows(const float* rotation, const ImageOptions& options, size_t begin, size_t end,
+                  ScanImage* image) {
   const DF d;
   const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image->columns);
-  for (int row = 0; row < image->rows; ++row) {
+  for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
     for (size_t c = 0; c < columns; c += lanes) {
       const size_t column = std::min(c, columns - lanes);
       const size_t i = static_cast<size_t>(row) * columns + column;
@@ -218,13 +220,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace atlas::mapping {
 namespace {
-HWY_EXPORT(PlanesOfScan);
+HWY_EXPORT(PlanesOfRows);
 }  // namespace
 
 void FindPlanes(const core::Mat3& rotation_map_lidar, const ImageOptions& options, ScanImage* image) {
   float rotation[9];
   for (int i = 0; i < 9; ++i) rotation[i] = static_cast<float>(rotation_map_lidar(i / 3, i % 3));
-  HWY_DYNAMIC_DISPATCH(PlanesOfScan)(rotation, options, image);
+  core::ParallelFor(options.threads, static_cast<size_t>(image->rows), [&](size_t begin, size_t end, size_t) {
+    HWY_DYNAMIC_DISPATCH(PlanesOfRows)(rotation, options, begin, end, image);
+  });
 }
 
 }  // namespace atlas::mapping

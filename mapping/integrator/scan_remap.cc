@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/parallel_for.h"
 #include "mapping/integrator/project-inl.h"
 #include "mapping/integrator/scan_image.h"
 
@@ -98,11 +99,11 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
   store(hn::IfThenElseZero(pointed, range), image->ray_range);
 }
 
-void ProjectScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
-                 ScanImage* image) {
+void ProjectRows(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
+                 size_t begin, size_t end, ScanImage* image) {
   const DF d;
   const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(scan.columns);
-  for (size_t row = 0; row < static_cast<size_t>(scan.rows); ++row) {
+  for (size_t row = begin; row < end; ++row) {
     for (size_t column = 0; column < columns; column += lanes) {
       ProjectRays(d, scan, poses, options, row, std::min(column, columns - lanes), image);
     }
@@ -234,16 +235,18 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
   return hn::Abs(range);
 }
 
-void MatchScan(const ImageOptions& options, ScanImage* image) {
+/// Returns how far their matches reach, metres.
+float MatchRows(const ImageOptions& options, size_t begin, size_t end, ScanImage* image) {
   const DF d;
   const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image->columns);
   VF reach = hn::Zero(d);
-  for (int row = 0; row < image->rows; ++row) {
+  for (size_t row = begin; row < end; ++row) {
     for (size_t column = 0; column < columns; column += lanes) {
-      reach = hn::Max(reach, MatchCells(d, options, row, std::min(column, columns - lanes), image));
+      const size_t at = std::min(column, columns - lanes);
+      reach = hn::Max(reach, MatchCells(d, options, static_cast<int>(row), at, image));
     }
   }
-  image->reach_m = hn::GetLane(hn::MaxOfLanes(d, reach));
+  return hn::GetLane(hn::MaxOfLanes(d, reach));
 }
 
 }  // namespace HWY_NAMESPACE
@@ -254,9 +257,9 @@ HWY_AFTER_NAMESPACE();
 namespace atlas::mapping {
 namespace {
 
-HWY_EXPORT(ProjectScan);
+HWY_EXPORT(ProjectRows);
 HWY_EXPORT(BinScan);
-HWY_EXPORT(MatchScan);
+HWY_EXPORT(MatchRows);
 
 constexpr float kEmptyBin = 1e9f;
 
@@ -323,9 +326,16 @@ void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const Imag
        {&image->ray_x, &image->ray_y, &image->ray_z, &image->ray_range, &image->ray_u, &image->ray_v}) {
     v->resize(scan.size());
   }
-  HWY_DYNAMIC_DISPATCH(ProjectScan)(scan, poses, options, image);
+  const auto rows = static_cast<size_t>(image->rows);
+  core::ParallelFor(options.threads, static_cast<size_t>(scan.rows), [&](size_t begin, size_t end, size_t) {
+    HWY_DYNAMIC_DISPATCH(ProjectRows)(scan, poses, options, begin, end, image);
+  });
   BinRays(image);
-  HWY_DYNAMIC_DISPATCH(MatchScan)(options, image);
+  image->row_reach_m.assign(static_cast<size_t>(std::max(options.threads, 1)), 0.0f);
+  core::ParallelFor(options.threads, rows, [&](size_t begin, size_t end, size_t worker) {
+    image->row_reach_m[worker] = HWY_DYNAMIC_DISPATCH(MatchRows)(options, begin, end, image);
+  });
+  image->reach_m = *std::max_element(image->row_reach_m.begin(), image->row_reach_m.end());
   FindSpares(image);
 }
 

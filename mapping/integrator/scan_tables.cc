@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "mapping/integrator/dynamic_loop.h"
 #include "mapping/integrator/scan_image.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -180,10 +181,12 @@ void BuildTables(const ImageOptions& options, ScanImage* image) {
       RepeatColumns(image->own[k].data() + row * static_cast<size_t>(image->pitch),
                     static_cast<size_t>(image->columns), static_cast<size_t>(image->pitch));
     }
-    SurroundTable(*image, &image->surround[k]);
   }
-  WindowTables(image);
-  BoxTables(options, image);
+  ForEachDynamic(options.threads, 2, [&](size_t i, int) {
+    if (i == 0) return BoxTables(options, image);
+    for (size_t k = 0; (1 << k) <= options.max_scale; ++k) SurroundTable(*image, &image->surround[k]);
+    WindowTables(image);
+  });
 }
 
 }  // namespace atlas::mapping
