@@ -104,25 +104,46 @@ CubeTests TestCubes(const ScanImage& image, const ScanFrame& frame, const float*
   return out;
 }
 
+/// The 8 blocks of 16 voxels' cubes first, those that are mixed then one by one.
 void TestChunk(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockTests* out) {
+  constexpr int kNodes = kChunkBlocks / 8;  // of level 4, in Morton order as their blocks are
   float x[kGroup], y[kGroup], z[kGroup];
-  for (int group = 0; group < kChunkBlocks / 16; ++group) {
+  const auto place = [&](size_t lane, int block, float half_side) {
+    const NodeKey b = BlockOffset(block);
+    x[lane] = static_cast<float>(corner.x + kBlockSide * b.x) + half_side;
+    y[lane] = static_cast<float>(corner.y + kBlockSide * b.y) + half_side;
+    z[lane] = static_cast<float>(corner.z + kBlockSide * b.z) + half_side;
+  };
+  std::array<int, kNodes + 1> mixed;
+  size_t mixed_count = 0;
+  for (int first = 0; first < kNodes; first += 16) {
+    for (int i = 0; i < 16; ++i) place(static_cast<size_t>(i), 8 * (first + i), 8.0f);
+    const CubeTests tests = TestCubes(image, frame, x, y, z, 8.0f, nullptr);
     for (int i = 0; i < 16; ++i) {
-      const NodeKey block = BlockOffset(16 * group + i);
-      const auto at = static_cast<size_t>(i);
-      x[at] = static_cast<float>(corner.x + 8 * block.x + 4);
-      y[at] = static_cast<float>(corner.y + 8 * block.y + 4);
-      z[at] = static_cast<float>(corner.z + 8 * block.z + 4);
+      const int node = first + i;
+      if (tests.mixed >> i & 1) mixed[mixed_count++] = node;
+      if (tests.full >> i & 1) {
+        out->full.bits[static_cast<size_t>(node / 8)] |= uint64_t{0xff} << (8 * (node % 8));
+      }
+    }
+  }
+  mixed[mixed_count] = mixed[mixed_count == 0 ? 0 : mixed_count - 1];
+  for (size_t pair = 0; pair < mixed_count; pair += 2) {
+    for (size_t i = 0; i < 16; ++i) {
+      place(i, 8 * mixed[pair + (i >> 3)] + static_cast<int>(i & 7), 4.0f);
     }
     const CubeTests tests = TestCubes(image, frame, x, y, z, 4.0f, nullptr);
-    const auto word = static_cast<size_t>(group / 4);
-    const auto put = [&](uint32_t bits, BlockMask* mask) {
-      mask->bits[word] |= static_cast<uint64_t>(bits) << (16 * (group % 4));
-    };
-    put(tests.mixed, &out->mixed);
-    put(tests.full, &out->full);
-    put(tests.two_apart, &out->two_apart);
-    put(tests.four_apart, &out->four_apart);
+    for (size_t k = 0; k < 2; ++k) {
+      const int node = mixed[pair + k];
+      const auto put = [&](uint32_t bits, BlockMask* mask) {
+        mask->bits[static_cast<size_t>(node / 8)] |= static_cast<uint64_t>(bits >> (8 * k) & 0xff)
+                                                     << (8 * (node % 8));
+      };
+      put(tests.mixed, &out->mixed);
+      put(tests.full, &out->full);
+      put(tests.two_apart, &out->two_apart);
+      put(tests.four_apart, &out->four_apart);
+    }
   }
 }
 
