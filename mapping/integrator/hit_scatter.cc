@@ -75,6 +75,8 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
                            static_cast<size_t>(frame.chunks[2]),
                        0);
   rows_used_ = blocks_used_ = 1;
+  if (blocks_.empty()) blocks_.resize(1);
+  std::memset(blocks_.front().delta, 0, kBlockVoxels);
   TrailRules rules{model,
                    keep_min,
                    keep_max,
@@ -87,7 +89,7 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
   for (size_t i = 0; i < cells; i += kHitGroup) {
     Reserve(&rules);
     TrailsOfCells(image, ends, std::min(i, cells - kHitGroup), frame, rules, &trails);
-    ScatterTrails(trails);
+    ScatterTrails(&trails);
   }
   HitGroup group;
   for (size_t i = 0; i < image.spare.size(); i += kHitGroup) {
@@ -96,32 +98,25 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
     }
     Reserve(&rules);
     TrailsOfHits(group, frame, rules, &trails);
-    ScatterTrails(trails);
+    ScatterTrails(&trails);
   }
 }
 
-void HitScatter::ScatterTrails(const HitTrails& trails) {
+void HitScatter::ScatterTrails(HitTrails* trails) {
   int8_t* const held = blocks_.front().delta;
-  const auto at = [&](int voxel, size_t lane) {
-    const int32_t place = trails.place[voxel][lane];
-    if (place >= kBlockVoxels) return held + place;
-    return blocks_[SlotOf(trails.block[voxel][lane])].delta + trails.voxel[voxel][lane];
-  };
-  const auto raise = [](int32_t units, int8_t* value) {
-    *value = static_cast<int8_t>(*value == 0 ? units : std::max<int32_t>(units, *value));
-  };
-  uint32_t news = trails.hits & ~trails.says[0];
-  for (uint32_t bits = trails.hits & trails.says[0]; bits != 0; bits &= bits - 1) {
-    const auto lane = static_cast<size_t>(__builtin_ctz(bits));
-    int8_t* value = at(0, lane);
-    news |= static_cast<uint32_t>(*value < trails.said[lane]) << lane;
-    raise(trails.delta[0][lane], value);
-  }
-  for (int voxel = 1; voxel < HitTrails::kVoxels; ++voxel) {
-    for (uint32_t bits = news & trails.says[voxel]; bits != 0; bits &= bits - 1) {
+  const uint32_t news = NewHits(*trails, held);
+  for (int at = 0; at < HitTrails::kVoxels; ++at) {
+    for (uint32_t bits = trails->homeless[at] & news; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<size_t>(__builtin_ctz(bits));
-      raise(trails.delta[voxel][lane], at(voxel, lane));
+      const auto slot = static_cast<int32_t>(SlotOf(trails->block[at][lane]));
+      trails->place[at][lane] = slot * kBlockVoxels + trails->voxel[at][lane];
     }
+  }
+  PackUpdates(*trails, news, &updates_);
+  for (size_t i = 0; i < updates_.count; ++i) {
+    int8_t* value = held + updates_.place[i];
+    const int32_t delta = updates_.delta[i], now = *value;
+    *value = static_cast<int8_t>(now == 0 || delta > now ? delta : now);
   }
 }
 

@@ -41,7 +41,7 @@ class HitScatter {
   }
 
  private:
-  void ScatterTrails(const HitTrails& trails);
+  void ScatterTrails(HitTrails* trails);
   void FillSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
                  size_t lane, HitGroup* group) const;
   /// Makes room for what a group may touch, so that pointers into blocks_ stay good through it.
@@ -56,6 +56,7 @@ class HitScatter {
   std::vector<int32_t> slots_;  ///< of a chunk's blocks, x fastest
   std::vector<HitBlock> blocks_;
   size_t blocks_used_ = 0, rows_used_ = 0;
+  VoxelUpdates updates_;
 };
 
 }  // namespace atlas::mapping

@@ -131,6 +131,8 @@ HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept
   const VI row = hn::GatherIndex(di, rules.row_of_chunk, asked);
   const VI slot = hn::GatherIndex(di, rules.slots, hn::Or(hn::ShiftLeft<9>(row), block));
   hn::Store(hn::Or(hn::ShiftLeft<9>(slot), index), di, out->place[at] + lane);
+  const MF none = hn::And(kept, hn::RebindMask(d, hn::Eq(slot, hn::Zero(di))));
+  out->homeless[at] |= (BitsOf(d, none) & lane_bits) << lane;
   hn::Store(delta, di, out->delta[at] + lane);
 }
 
@@ -246,6 +248,7 @@ void CellTrails(const ScanImage& image, const float* const end[3], size_t first,
   const VF inverse = hn::Set(d, 1.0f / frame.resolution_m);
   out->hits = 0;
   for (uint32_t& says : out->says) says = 0;
+  for (uint32_t& homeless : out->homeless) homeless = 0;
   for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
     const size_t i = first + lane;
     Hits h;
@@ -274,6 +277,7 @@ void GroupTrails(const HitGroup& hits, const ScanFrame& frame, const TrailRules&
   const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   out->hits = 0;
   for (uint32_t& says : out->says) says = 0;
+  for (uint32_t& homeless : out->homeless) homeless = 0;
   for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
     const auto load = [&](const float(&v)[3][kHitGroup]) {
       return Vector3{hn::Load(d, v[0] + lane), hn::Load(d, v[1] + lane), hn::Load(d, v[2] + lane)};
@@ -288,6 +292,42 @@ void GroupTrails(const HitGroup& hits, const ScanFrame& frame, const TrailRules&
   }
 }
 
+uint32_t NewOfGroup(const HitTrails& trails, const int8_t* held) {
+  const DF d;
+  const DI di;
+  const size_t lanes = hn::Lanes(di);
+  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
+  uint32_t more = 0;
+  for (size_t i = 0; i < kHitGroup; i += lanes) {
+    const uint32_t said = trails.says[0] >> i & lane_bits;
+    VI place = hn::Load(di, trails.place[0] + i);
+    if (said == 0) continue;
+    const uint64_t bits = said;
+    place = hn::IfThenElseZero(hn::LoadMaskBits(di, reinterpret_cast<const uint8_t*>(&bits)), place);
+    const VI four = hn::GatherOffset(di, reinterpret_cast<const int32_t*>(held), place);
+    const VI value = hn::ShiftRight<24>(hn::ShiftLeft<24>(four));
+    more |= (BitsOf(d, hn::RebindMask(d, hn::Lt(value, hn::Load(di, trails.said + i)))) & lane_bits) << i;
+  }
+  return trails.hits & (more | ~trails.says[0]);
+}
+
+void Pack(const HitTrails& trails, uint32_t hits, VoxelUpdates* out) {
+  const DI di;
+  const size_t lanes = hn::Lanes(di);
+  size_t count = 0;
+  for (int at = 0; at < HitTrails::kVoxels; ++at) {
+    const uint32_t says = trails.says[at] & hits;
+    if (says == 0) continue;
+    for (size_t i = 0; i < kHitGroup; i += lanes) {
+      const uint64_t bits = says >> i;
+      const auto mask = hn::LoadMaskBits(di, reinterpret_cast<const uint8_t*>(&bits));
+      hn::CompressStore(hn::Load(di, trails.delta[at] + i), mask, di, out->delta + count);
+      count += hn::CompressStore(hn::Load(di, trails.place[at] + i), mask, di, out->place + count);
+    }
+  }
+  out->count = count;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace atlas::mapping
 HWY_AFTER_NAMESPACE();
@@ -298,6 +338,8 @@ namespace {
 HWY_EXPORT(CellEnds);
 HWY_EXPORT(CellTrails);
 HWY_EXPORT(GroupTrails);
+HWY_EXPORT(NewOfGroup);
+HWY_EXPORT(Pack);
 }  // namespace
 
 void EndsOfCells(const ScanImage& image, const float rotation[9], float* const end[3], float low[3],
@@ -308,6 +350,14 @@ void EndsOfCells(const ScanImage& image, const float rotation[9], float* const e
 void TrailsOfCells(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
                    const TrailRules& rules, HitTrails* out) {
   HWY_DYNAMIC_DISPATCH(CellTrails)(image, end, first, frame, rules, out);
+}
+
+uint32_t NewHits(const HitTrails& trails, const int8_t* held) {
+  return HWY_DYNAMIC_DISPATCH(NewOfGroup)(trails, held);
+}
+
+void PackUpdates(const HitTrails& trails, uint32_t hits, VoxelUpdates* out) {
+  HWY_DYNAMIC_DISPATCH(Pack)(trails, hits, out);
 }
 
 void TrailsOfHits(const HitGroup& hits, const ScanFrame& frame, const TrailRules& rules, HitTrails* out) {

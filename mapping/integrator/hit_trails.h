@@ -26,10 +26,12 @@ struct HitTrails {
   /// Chunk of the window times kChunkBlocks, and the block's place there, x fastest.
   alignas(64) int32_t block[kVoxels][kHitGroup];
   alignas(64) int32_t voxel[kVoxels][kHitGroup];  ///< VoxelIndex in the block
-  /// Where it is held: the block's slot times kBlockVoxels, and its voxel. In slot 0: in none when asked.
+  /// Where it is held: the block's slot times kBlockVoxels, and its voxel. Slot 0, all 0, is for blocks that
+  /// had none when asked.
   alignas(64) int32_t place[kVoxels][kHitGroup];
   alignas(64) int32_t delta[kVoxels][kHitGroup];
   uint32_t says[kVoxels];               ///< a bit a lane: delta is not 0
+  uint32_t homeless[kVoxels];           ///< of those, the ones in slot 0
   alignas(64) int32_t said[kHitGroup];  ///< where the end's voxel holds this or more, the hit adds nothing
   uint32_t hits;  ///< a bit a lane; but for those after which the lane before has said it all
 };
@@ -38,6 +40,18 @@ struct HitTrails {
 /// sensor. @param rotation  row-major, voxels a metre.
 void EndsOfCells(const ScanImage& image, const float rotation[9], float* const end[3], float low[3],
                  float high[3]);
+
+/// The hits of a group that say more than is held already: of their ends' voxels, as they were before it.
+/// @param held  of all slots, with 4 bytes to spare.
+uint32_t NewHits(const HitTrails& trails, const int8_t* held);
+
+/// What those hits say, one voxel after the other.
+struct VoxelUpdates {
+  static constexpr size_t kMost = HitTrails::kVoxels * kHitGroup;
+  alignas(64) int32_t place[kMost + kHitGroup], delta[kMost + kHitGroup];  ///< as in HitTrails
+  size_t count = 0;
+};
+void PackUpdates(const HitTrails& trails, uint32_t hits, VoxelUpdates* out);
 
 struct TrailRules {
   SurfaceModel model;
