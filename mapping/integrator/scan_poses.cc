@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kStillRad = 1e-4, kStillM = 1e-3;
 constexpr float kSharedTimeS = 2e-4f;
+/// Columns from one pose to the next that is asked for: half a millisecond of a revolution.
+constexpr size_t kStride = 4;
 
 double AngleOf(const core::Mat3& R) {
   return Eigen::AngleAxisd(R).angle();
@@ -26,6 +28,18 @@ void SetPose(size_t i, const core::Pose& T, ColumnPoses* out) {
     for (size_t column = 0; column < 4; ++column) {
       out->T_mid_lidar[4 * row + column][i] =
           static_cast<float>(T.matrix()(static_cast<int>(row), static_cast<int>(column)));
+    }
+  }
+}
+
+/// The columns between two, straight from entry to entry by their times.
+template <typename TimeOf>
+void Interpolate(size_t first, size_t last, const TimeOf& time_of, ColumnPoses* out) {
+  const double span_s = time_of(last) - time_of(first);
+  for (size_t column = first + 1; column < last; ++column) {
+    const auto w = static_cast<float>(span_s != 0.0 ? (time_of(column) - time_of(first)) / span_s : 0.0);
+    for (std::vector<float>& entry : out->T_mid_lidar) {
+      entry[column] = entry[first] + w * (entry[last] - entry[first]);
     }
   }
 }
@@ -51,13 +65,18 @@ void PosesOfScan(const core::SpinEvent& spin, bool motion_aware, ColumnPoses* po
   const bool shared = RowsShareTimes(scan);
   const core::Pose T_mid_odom = out.T_odom_mid.inverse();
   for (auto& entry : out.T_mid_lidar) entry.resize(columns);
-  for (size_t column = 0; column < columns; ++column) {
-    const double time_s =
-        shared ? scan.stamp_s + static_cast<double>(scan.time_s[column])
-               : begin_s + span_s * static_cast<double>(column) / static_cast<double>(columns - 1);
-    const core::Pose T = T_mid_odom * spin.T_odom_lidar.At(time_s);
+  const auto time_of = [&](size_t column) {
+    return shared ? scan.stamp_s + static_cast<double>(scan.time_s[column])
+                  : begin_s + span_s * static_cast<double>(column) / static_cast<double>(columns - 1);
+  };
+  size_t before = 0;
+  for (size_t column = 0; column < columns; column = std::min(column + kStride, columns - 1)) {
+    const core::Pose T = T_mid_odom * spin.T_odom_lidar.At(time_of(column));
     out.moving = out.moving || AngleOf(T.linear()) > kStillRad || T.translation().norm() > kStillM;
     SetPose(column, T, &out);
+    Interpolate(before, column, time_of, &out);
+    before = column;
+    if (column + 1 == columns) break;
   }
   if (out.moving && !shared) {
     out.pose_of_ray.resize(scan.time_s.size());

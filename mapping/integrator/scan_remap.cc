@@ -8,6 +8,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <cstring>
+
 #include "core/parallel_for.h"
 #include "mapping/integrator/project-inl.h"
 #include "mapping/integrator/scan_image.h"
@@ -291,12 +293,20 @@ void FindSpares(ScanImage* image) {
   for (const int32_t ray : image->cell_ray) {
     if (ray >= 0) taken[static_cast<size_t>(ray)] = 1;
   }
-  for (size_t i = 0; i < taken.size(); ++i) {
-    if (taken[i] != 0 || image->ray_range[i] <= 0.0f) continue;
+  const auto add = [&](size_t i) {
+    if (taken[i] != 0 || image->ray_range[i] <= 0.0f) return;
     const int row = std::clamp(static_cast<int>(image->ray_v[i] + 0.5f), 0, image->rows - 1);
     const int column = static_cast<int>(image->ray_u[i] + 0.5f) % image->columns;
     image->spare.push_back({static_cast<int32_t>(i), row * image->columns + column});
+  };
+  size_t i = 0;
+  for (; i + 8 <= taken.size(); i += 8) {
+    uint64_t eight;
+    std::memcpy(&eight, taken.data() + i, sizeof eight);
+    if (eight == 0x0101010101010101u) continue;
+    for (size_t k = i; k < i + 8; ++k) add(k);
   }
+  for (; i < taken.size(); ++i) add(i);
 }
 
 }  // namespace
