@@ -14,10 +14,10 @@ namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
 constexpr float kSqrt3 = 1.7320508f;
-constexpr float kNear = 2.5f;         ///< closer than this many radii to the axis, angles are not bounded
-constexpr float kFirstOrder = 0.05f;  ///< voxels: what the second order may add for first order to do
-constexpr float kRowBend = 0.05f;     ///< rows: what uneven beams may
-constexpr int kColumnsSpare = 4;      ///< kept from the seam of the grid, for windows around
+constexpr float kNear = 2.5f;        ///< closer than this many radii to the axis, angles are not bounded
+constexpr float kFirstOrder = 0.1f;  ///< voxels: what the second order may add for first order to do
+constexpr float kRowBend = 0.05f;    ///< rows: what uneven beams may
+constexpr int kColumnsSpare = 4;     ///< kept from the seam of the grid, for windows around
 
 /// A voxel along one map axis at a cube: metres across and outward (horizontally), up and along (in the
 /// upright plane through the beam to its middle).

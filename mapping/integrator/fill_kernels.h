@@ -46,7 +46,8 @@ CubeTests TestBoxes(const ScanImage& image, const ScanFrame& frame, const float*
                     const float* z, float half_side_voxels);
 
 /// Grid coordinates within 16 cubes by first order: at their middles, and what a voxel along each map axis
-/// adds. Second order adds less than 0.05 voxel or row where the slopes are said to hold.
+/// adds. Second order adds less than 0.1 voxel, uneven beams less than 0.05 row, where the slopes are said to
+/// hold.
 struct CubeSlopes {
   alignas(64) float u[16], v[16], distance[16], du[3][16], dv[3][16], ddistance[3][16];
   alignas(64) float metres_per_column[16], metres_per_row[16];
