@@ -62,6 +62,16 @@ std::unique_ptr<NbvPlanner> Make(const NbvParams& params, int threads = 1, uint6
 
 const Pose kRobot = core::PoseFromXyzYaw(Vec3(0.0, -3.0, 0.44), 0.0);
 
+/// A greedy planner that has swept where the robot stands, and its first plan.
+struct Begun {
+  explicit Begun(const mapping::DenseGrid& map) {
+    planner->OnSweep(kRobot, 500);
+    first = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+  }
+  std::unique_ptr<NbvPlanner> planner = Make(SmallParams("greedy"));
+  NbvDecision first;
+};
+
 class EachPlanner : public testing::TestWithParam<std::string> {};
 
 TEST_P(EachPlanner, ChoosesTheBestUtilityAndKeepsWhatDecided) {
@@ -196,9 +206,7 @@ TEST(NbvPlanner, WhereNothingIsPromisedAnyMoreSomeRoundsGoWhereNoScanWasYet) {
 
 TEST(NbvPlanner, ACommitmentHoldsWhileTheRobotIsOnItsWay) {
   const auto map = NearSideMapped();
-  const auto planner = Make(SmallParams("greedy"));
-  planner->OnSweep(kRobot, 500);
-  const NbvDecision first = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+  const auto [planner, first] = Begun(map);
   const Candidate& view = first.candidates[static_cast<size_t>(first.best)];
   const Pose on_the_way = core::PoseFromXyzYaw(Vec3(0.3, -2.8, 0.44), 0.3);
   const NbvDecision second = planner->Plan(on_the_way, map, GroundAboutObject(Vec2(0.3, -2.8)));
@@ -237,9 +245,7 @@ TEST(NbvPlanner, ViewsThatBreakTheirPromisesAreDropped) {
 /// The robot went to a view, and learnt there that nothing about it is walkable.
 TEST(NbvPlanner, ARobotThatFindsNothingWalkableGoesBackTheWayItCameOnce) {
   const auto map = NearSideMapped();
-  const auto planner = Make(SmallParams("greedy"));
-  planner->OnSweep(kRobot, 500);
-  const NbvDecision there = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+  const auto [planner, there] = Begun(map);
   ASSERT_EQ(there.outcome, NbvOutcome::kView);
   const Vec2 view = there.path_map.back() + Vec2(0.04, -0.03);
   const Pose arrived = core::PoseFromXyzYaw(Vec3(view.x(), view.y(), 0.44), 0.7);
@@ -267,9 +273,7 @@ TEST(NbvPlanner, ARobotThatFindsNothingWalkableGoesBackTheWayItCameOnce) {
 
 TEST(NbvPlanner, ARobotOffItsWayHasNoWayBack) {
   const auto map = NearSideMapped();
-  const auto planner = Make(SmallParams("greedy"));
-  planner->OnSweep(kRobot, 500);
-  const NbvDecision there = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+  const auto [planner, there] = Begun(map);
   ASSERT_EQ(there.outcome, NbvOutcome::kView);
   const Vec2 aside = there.path_map.back() + Vec2(0.6, 0.0);
   tests::FlatGround nothing(12.0, aside);
