@@ -196,6 +196,7 @@ void Planner::ValueViews(NbvDecision* decision) const {
       const double distance = DistanceToVisited(c.p_map, memory_.visited());
       c.worth += params_.unvisited_m2 * std::max(0.0, 1.0 - params_.unvisited_beyond_m / distance);
     }
+    if (params_.distrust_m > 0.0) c.worth *= memory_.TrustAt(c.p_map, params_.distrust_m);
   }
 }
 
@@ -315,6 +316,8 @@ NbvParams DefaultParams(const std::string& name) {
     params.traversal = "discrete";
     params.window_m = 12.0;
     params.roadmap = false;
+    params.distrust_m = 0.0;
+    params.stop_ratio = 0.05;
   }
   params.terrain.window_m = params.window_m;
   if (name == "thesis" || name == "greedy") return params;

@@ -41,6 +41,9 @@ struct NbvParams {
   /// it stands beyond the distance given; 0: no more.
   double unvisited_m2 = 0.0;
   double unvisited_beyond_m = 5.0;
+  /// Views about a place whose promise was broken are worth less, by 1 - exp(-(d / this)^2) for each at a
+  /// distance d; 0: no less.
+  double distrust_m = 6.0;
   // Position cost (Eq. 3.7) as two terms; the maximum of both equals the thesis's at equal thresholds.
   bool visited_cost = true;
   double visited_threshold_m = 2.0;
@@ -50,7 +53,7 @@ struct NbvParams {
   std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
   double time_scale_s = 60.0;            ///< continuous: travel of this long costs 1 - 1/e
   // Termination, Eq. 3.8 made scale-free.
-  double stop_ratio = 0.05;     ///< of the first view's utility
+  double stop_ratio = 0.01;     ///< of the first view's utility
   int stop_rounds = 4;          ///< low rounds in a row
   double flat_share = 0.008;    ///< a sweep that adds less of all surface seen so far counts as flat
   int flat_rounds = 5;          ///< flat sweeps in a row that stop whatever views promise

@@ -35,6 +35,11 @@ void VisitUnvisited(core::ParamVisitor& v, NbvParams* p) {
            .doc = "what views far from all scans are worth besides, at most"});
   v.Field("unvisited_beyond_m", &p->unvisited_beyond_m,
           {.unit = "m", .min = 0.5, .max = 100.0, .doc = "far from all scans is farther than this"});
+  v.Field("distrust_m", &p->distrust_m,
+          {.unit = "m",
+           .min = 0.0,
+           .max = 100.0,
+           .doc = "views about this near to one that brought nothing are worth less; 0: no less"});
 }
 
 void VisitTermination(core::ParamVisitor& v, NbvParams* p) {

@@ -1,5 +1,7 @@
 #include "planner/utility/view_memory.h"
 
+#include <cmath>
+
 namespace atlas::planner {
 namespace {
 
@@ -23,6 +25,14 @@ int ViewMemory::BrokenPromisesNear(const core::Vec2& p_map) const {
   int count = 0;
   for (const core::Vec2& q : broken_) count += (p_map - q).norm() < kSamePlace_m ? 1 : 0;
   return count;
+}
+
+double ViewMemory::TrustAt(const core::Vec2& p_map, double radius_m) const {
+  double trust = 1.0;
+  for (const core::Vec2& q : broken_) {
+    trust *= 1.0 - std::exp(-(p_map - q).squaredNorm() / (radius_m * radius_m));
+  }
+  return trust;
 }
 
 }  // namespace atlas::planner

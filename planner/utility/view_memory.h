@@ -26,6 +26,9 @@ class ViewMemory {
 
   /// Broken promises within 0.75 m.
   int BrokenPromisesNear(const core::Vec2& p_map) const;
+  /// What promises about here are worth, in [0, 1]: 1 - exp(-(d / radius_m)^2) for each that was broken at a
+  /// distance d, multiplied. @pre radius_m > 0.
+  double TrustAt(const core::Vec2& p_map, double radius_m) const;
   const std::vector<core::Vec2>& visited() const { return visited_; }
   const std::optional<Promise>& commitment() const { return commitment_; }
   /// Newly seen share of all surface seen so far, by the latest sweep; 1 before any.

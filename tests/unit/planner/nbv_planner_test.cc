@@ -226,6 +226,7 @@ TEST(NbvPlanner, ViewsThatBreakTheirPromisesAreDropped) {
   const auto map = NearSideMapped();
   const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
   NbvParams params = SmallParams("greedy");
+  params.distrust_m = 0.0;
   params.visited_cost = false;
   params.flat_rounds = 100;
   const auto planner = Make(params);
@@ -269,6 +270,34 @@ TEST(NbvPlanner, ARobotThatFindsNothingWalkableGoesBackTheWayItCameOnce) {
 
   planner->OnSweep(kRobot, 0);
   EXPECT_EQ(planner->Plan(kRobot, map, nothing).outcome, NbvOutcome::kNoCandidates);
+}
+
+TEST(NbvPlanner, ViewsAboutABrokenPromiseAreWorthLess) {
+  const auto map = NearSideMapped();
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  std::vector<std::vector<Candidate>> by_distrust;
+  Vec2 broken = Vec2::Zero();
+  for (const double distrust_m : {0.0, 4.0}) {
+    NbvParams params = SmallParams("greedy");
+    params.distrust_m = distrust_m;
+    const auto planner = Make(params);
+    planner->OnSweep(kRobot, 500);
+    const NbvDecision first = planner->Plan(kRobot, map, ground);
+    ASSERT_EQ(first.outcome, NbvOutcome::kView);
+    broken = first.candidates[static_cast<size_t>(first.best)].p_map;
+    planner->OnSweep(core::PoseFromXyzYaw(Vec3(broken.x(), broken.y(), 0.44), 0.0), 0);
+    by_distrust.push_back(planner->Plan(kRobot, map, ground).candidates);
+  }
+  ASSERT_EQ(by_distrust[0].size(), by_distrust[1].size());
+  int less = 0;
+  for (size_t i = 0; i < by_distrust[0].size(); ++i) {
+    const Candidate &whole = by_distrust[0][i], &doubted = by_distrust[1][i];
+    ASSERT_EQ(whole.p_map, doubted.p_map);
+    const double trust = 1.0 - std::exp(-(whole.p_map - broken).squaredNorm() / 16.0);
+    EXPECT_NEAR(doubted.worth, whole.worth * trust, 1e-9);
+    less += doubted.worth < 0.5 * whole.worth;
+  }
+  EXPECT_GT(less, 5);
 }
 
 TEST(NbvPlanner, ARobotOffItsWayHasNoWayBack) {

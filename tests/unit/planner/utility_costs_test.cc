@@ -146,6 +146,20 @@ TEST(ViewMemory, APromiseThatBringsNothingCountsAsBrokenWhereItWasMade) {
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1) << "kept";
 }
 
+TEST(ViewMemory, TrustGrowsWithTheDistanceToBrokenPromises) {
+  ViewMemory memory;
+  memory.RecordSweep(Standing(0.0), 10000);
+  EXPECT_EQ(memory.TrustAt(Vec2(1.0, 2.0), 6.0), 1.0) << "nothing was broken yet";
+  for (const double x : {3.0, 9.0}) {
+    memory.Commit({Vec2(x, 0.0), 0.0});
+    memory.RecordSweep(Standing(x), 2);
+  }
+  EXPECT_EQ(memory.TrustAt(Vec2(3.0, 0.0), 6.0), 0.0);
+  // 6 m from one and, by the right angle, the root of 72 m from the other.
+  EXPECT_NEAR(memory.TrustAt(Vec2(3.0, 6.0), 6.0), (1.0 - std::exp(-1.0)) * (1.0 - std::exp(-2.0)), 1e-12);
+  EXPECT_NEAR(memory.TrustAt(Vec2(60.0, 0.0), 6.0), 1.0, 1e-12);
+}
+
 TEST(ViewMemory, ACommitmentStaysUntilASweepIsTakenThere) {
   ViewMemory memory;
   memory.RecordSweep(Standing(0.0), 10000);
