@@ -48,8 +48,10 @@ QualityProbes::QualityProbes(const BenchDataset& dataset, const QualityOptions& 
 
 void QualityProbes::AddScan(size_t scan) {
   core::Rng rng = core::Rng(options_.seed).Split("scan" + std::to_string(scan));
+  const size_t first = probes_.size();
   AddBeamProbes(scan, &rng);
   AddViewProbes(scan, &rng);
+  MarkEmpty(first);
 }
 
 /// Along the beams that returned: where the noise-free beam ends, and a point before.
@@ -117,6 +119,27 @@ void QualityProbes::AddViewProbes(size_t scan, core::Rng* rng) {
   }
 }
 
+void QualityProbes::MarkEmpty(size_t first) {
+  const double side = options_.resolution_m;
+  std::vector<core::Ray> diagonals;
+  std::vector<size_t> of;
+  for (size_t i = first; i < probes_.size(); ++i) {
+    if (probes_[i].kind != Kind::kFreeOnRay && probes_[i].kind != Kind::kFreeBetween) continue;
+    const Vec3 corner = side * (probes_[i].p.cast<double>() / side).array().floor().matrix();
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 along(1.0, k & 1 ? -1.0 : 1.0, k & 2 ? -1.0 : 1.0);
+      const Vec3 from = corner + side * Vec3(0.0, k & 1 ? 1.0 : 0.0, k & 2 ? 1.0 : 0.0);
+      diagonals.push_back({from.cast<float>(), along.normalized().cast<float>()});
+      of.push_back(i);
+    }
+  }
+  std::vector<sim::RayHit> hits(diagonals.size());
+  oracle_.CastStatic(diagonals, static_cast<float>(std::sqrt(3.0) * side), 1, hits);
+  for (size_t k = 0; k < hits.size(); ++k) {
+    if (hits[k].range_m >= 0.0f) probes_[of[k]].empty = false;
+  }
+}
+
 bool QualityProbes::OccupiedWithin(const StateAt& state, const Vec3& p, double radius_m) const {
   const double r = options_.resolution_m;
   const int n = static_cast<int>(std::ceil(radius_m / r));
@@ -131,7 +154,8 @@ bool QualityProbes::OccupiedWithin(const StateAt& state, const Vec3& p, double r
 }
 
 MapQuality QualityProbes::Judge(const StateAt& state) const {
-  Tally on_rays, near_hit, near, mid, far, to_30, freed, freed_grazing, freed_other, lost;
+  Tally on_rays, on_rays_empty, to_30_empty, near_hit, near, mid, far, to_30, freed, freed_grazing,
+      freed_other, lost;
   for (const Probe& probe : probes_) {
     const Vec3 p = probe.p.cast<double>();
     const CellState cell = state(p);
@@ -139,6 +163,7 @@ MapQuality QualityProbes::Judge(const StateAt& state) const {
     switch (probe.kind) {
       case Kind::kFreeOnRay:
         on_rays.Count(free);
+        if (probe.empty) on_rays_empty.Count(free);
         break;
       case Kind::kHit:
         near_hit.Count(OccupiedWithin(state, p, options_.resolution_m));
@@ -146,6 +171,7 @@ MapQuality QualityProbes::Judge(const StateAt& state) const {
       case Kind::kFreeBetween:
         (probe.range_m < 10.0f ? near : probe.range_m < 30.0f ? mid : far).Count(free);
         if (probe.range_m < 30.0f) to_30.Count(free);
+        if (probe.range_m < 30.0f && probe.empty) to_30_empty.Count(free);
         break;
       case Kind::kSurface:
         freed.Count(free);
@@ -158,11 +184,13 @@ MapQuality QualityProbes::Judge(const StateAt& state) const {
     }
   }
   return {.free_on_rays = on_rays.Share(),
+          .free_on_rays_empty = on_rays_empty.Share(),
           .occupied_near_hit = near_hit.Share(),
           .free_between_near = near.Share(),
           .free_between_mid = mid.Share(),
           .free_between_far = far.Share(),
           .free_between_30 = to_30.Share(),
+          .free_between_30_empty = to_30_empty.Share(),
           .surface_freed = freed.Share(),
           .surface_freed_grazing = freed_grazing.Share(),
           .surface_freed_other = freed_other.Share(),

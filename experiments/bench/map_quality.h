@@ -25,11 +25,13 @@ using StateAt = std::function<mapping::CellState(const core::Vec3& p_map)>;
 
 /// Shares in [0, 1]; -1 where no probe of the kind exists.
 struct MapQuality {
-  double free_on_rays = -1;       ///< of points on beams, a voxel's diagonal before the surface, held free
-  double occupied_near_hit = -1;  ///< of true hits of beams, with an occupied voxel among the 27 around
+  double free_on_rays = -1;        ///< of points on beams, a voxel's diagonal before the surface, held free
+  double free_on_rays_empty = -1;  ///< of those, in voxels that no surface runs through
+  double occupied_near_hit = -1;   ///< of true hits of beams, with an occupied voxel among the 27 around
   double free_between_near = -1, free_between_mid = -1,
          free_between_far = -1;                                 ///< 0-10, 10-30, 30-60 m off the beams
   double free_between_30 = -1;                                  ///< 0-30 m
+  double free_between_30_empty = -1;                            ///< of those, in voxels without surface
   double surface_freed = -1;                                    ///< of true surface points in view, held free
   double surface_freed_grazing = -1, surface_freed_other = -1;  ///< incidence above or below 80 degrees
   /// Of points on surface that extends 1.5 beam spacings to every side: held free, and nothing occupied
@@ -53,9 +55,13 @@ class QualityProbes {
     float range_m;    ///< of the probe from the sensor
     float spacing_m;  ///< of the beams there
     bool grazing, large;
+    bool empty = true;  ///< no surface runs through its voxel
   };
   void AddBeamProbes(size_t scan, core::Rng* rng);
   void AddViewProbes(size_t scan, core::Rng* rng);
+  /// Marks which of the free probes from `first` on share their voxel with a surface: one of its four
+  /// diagonals meets it, as any plane through the voxel does.
+  void MarkEmpty(size_t first);
   bool OccupiedWithin(const StateAt& state, const core::Vec3& p, double radius_m) const;
 
   const BenchDataset& dataset_;

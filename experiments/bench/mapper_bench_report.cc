@@ -66,8 +66,8 @@ TextTable Speed(const std::vector<MapperCaseResult>& results) {
 
 TextTable Quality(const std::vector<MapperCaseResult>& results) {
   TextTable table{
-      {"scans of", "range/voxel", "mapper", "after", "free on rays", "hit occupied", "between 0-10", "10-30",
-       "30-60", "0-30 m", "surface freed", "grazing", "other", "obstacle freed"},
+      {"scans of", "range/voxel", "mapper", "after", "free on rays", "empty", "hit occupied", "between 0-10",
+       "10-30", "30-60", "0-30 m", "empty", "surface freed", "grazing", "other", "obstacle freed"},
       {true, true, true},
       {},
       {}};
@@ -75,12 +75,13 @@ TextTable Quality(const std::vector<MapperCaseResult>& results) {
   const auto add = [&](const MapperCaseResult& result, const MapperCourse& course, size_t scans,
                        const MapQuality& q) {
     std::vector<std::string> row = SettingCells(result);
-    row.insert(row.end(),
-               {course.mapper, fmt::format("{}", scans), Percent(q.free_on_rays),
-                Percent(q.occupied_near_hit), Percent(q.free_between_near), Percent(q.free_between_mid),
-                Percent(q.free_between_far), Percent(q.free_between_30), Percent(q.surface_freed),
-                Percent(q.surface_freed_grazing), Percent(q.surface_freed_other),
-                q.obstacle_freed < 0.0 ? "-" : fmt::format("{:.2f}", 100.0 * q.obstacle_freed)});
+    row.insert(
+        row.end(),
+        {course.mapper, fmt::format("{}", scans), Percent(q.free_on_rays), Percent(q.free_on_rays_empty),
+         Percent(q.occupied_near_hit), Percent(q.free_between_near), Percent(q.free_between_mid),
+         Percent(q.free_between_far), Percent(q.free_between_30), Percent(q.free_between_30_empty),
+         Percent(q.surface_freed), Percent(q.surface_freed_grazing), Percent(q.surface_freed_other),
+         q.obstacle_freed < 0.0 ? "-" : fmt::format("{:.2f}", 100.0 * q.obstacle_freed)});
     table.rows.push_back(row);
   };
   for (const MapperCaseResult& result : results) {
@@ -123,7 +124,7 @@ std::string SpeedTable(const std::vector<MapperCaseResult>& results) {
 std::string QualityTable(const std::vector<MapperCaseResult>& results) {
   return ToTerminal(Quality(results)) +
          "Per cent. free on rays, hit occupied: along beams. between: truly visible points off the beams "
-         "held free. "
+         "held free (empty: those in voxels without surface). "
          "surface freed:\ntrue surface in view held free (grazing: beyond 80 degrees). obstacle freed: of "
          "surface wider "
          "than the beams' spacing, freed with nothing occupied near.\n";

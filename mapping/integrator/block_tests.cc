@@ -104,7 +104,7 @@ CubeTests TestCubes(const ScanImage& image, const ScanFrame& frame, const float*
   return out;
 }
 
-/// The 8 blocks of 16 voxels' cubes first, those that are mixed then one by one.
+/// Cubes of 2^3 blocks first, then the blocks of those that are mixed.
 void TestChunk(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockTests* out) {
   constexpr int kNodes = kChunkBlocks / 8;  // of level 4, in Morton order as their blocks are
   float x[kGroup], y[kGroup], z[kGroup];

@@ -304,8 +304,10 @@ uint32_t NewOfGroup(const HitTrails& trails, const int8_t* held) {
     if (said == 0) continue;
     const uint64_t bits = said;
     place = hn::IfThenElseZero(hn::LoadMaskBits(di, reinterpret_cast<const uint8_t*>(&bits)), place);
-    const VI four = hn::GatherOffset(di, reinterpret_cast<const int32_t*>(held), place);
-    const VI value = hn::ShiftRight<24>(hn::ShiftLeft<24>(four));
+    // Four bytes hold it; up to the top and, with its sign, down again.
+    const VI four = hn::GatherIndex(di, reinterpret_cast<const int32_t*>(held), hn::ShiftRight<2>(place));
+    const VI above = hn::Sub(hn::Set(di, 24), hn::ShiftLeft<3>(hn::And(place, hn::Set(di, 3))));
+    const VI value = hn::ShiftRight<24>(hn::Shl(four, above));
     more |= (BitsOf(d, hn::RebindMask(d, hn::Lt(value, hn::Load(di, trails.said + i)))) & lane_bits) << i;
   }
   return trails.hits & (more | ~trails.says[0]);

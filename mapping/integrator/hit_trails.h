@@ -42,7 +42,7 @@ void EndsOfCells(const ScanImage& image, const float rotation[9], float* const e
                  float high[3]);
 
 /// The hits of a group that say more than is held already: of their ends' voxels, as they were before it.
-/// @param held  of all slots, with 4 bytes to spare.
+/// @param held  of all slots, by HitTrails::place; aligned.
 uint32_t NewHits(const HitTrails& trails, const int8_t* held);
 
 /// What those hits say, one voxel after the other.
