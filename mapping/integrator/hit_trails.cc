@@ -97,20 +97,22 @@ HWY_INLINE VF DistanceTo(DF d, const Hits& h, const Vector3& voxel) {
   return hn::Add(hn::Add(hn::Add(x, y), z), h.support);
 }
 
+/// Within the box of what is kept, made smaller by `margin` voxels on every side.
+HWY_INLINE MF Within(DF d, const Vector3& p, const TrailRules& rules, float margin) {
+  const auto within = [&](VF v, int32_t low, int32_t high) {
+    return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low) + margin)),
+                   hn::Lt(v, hn::Set(d, static_cast<float>(high) - margin)));
+  };
+  const NodeKey &low = rules.keep_min, &high = rules.keep_max;
+  return hn::And(within(p.x, low.x, high.x), hn::And(within(p.y, low.y, high.y), within(p.z, low.z, high.z)));
+}
+constexpr float kReach = HitTrails::kBehind + 1;  ///< voxels that a trail stays within
+
 /// Stores Lanes(d) voxels of a trail; `delta` counts where `said` and the voxel is kept.
 HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept, const ScanFrame& frame,
                     const TrailRules& rules, int at, size_t lane, HitTrails* out) {
   const DI di;
-  MF kept = said;
-  if (!all_kept) {
-    const auto within = [&](VF v, int32_t low, int32_t high) {
-      return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low))),
-                     hn::Lt(v, hn::Set(d, static_cast<float>(high))));
-    };
-    const NodeKey &low = rules.keep_min, &high = rules.keep_max;
-    kept = hn::And(said, hn::And(within(voxel.x, low.x, high.x),
-                                 hn::And(within(voxel.y, low.y, high.y), within(voxel.z, low.z, high.z))));
-  }
+  const MF kept = all_kept ? said : hn::And(said, Within(d, voxel, rules, 0.0f));
   const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << hn::Lanes(d)) - 1);
   const uint32_t bits = BitsOf(d, kept) & lane_bits;
   if (bits == 0) return;
@@ -136,22 +138,11 @@ HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept
   hn::Store(delta, di, out->delta[at] + lane);
 }
 
-/// No voxel of the trail can be left out.
-HWY_INLINE MF WellInside(DF d, const Vector3& p, const TrailRules& rules) {
-  constexpr float kReach = HitTrails::kBehind + 1;
-  const auto within = [&](VF v, int32_t low, int32_t high) {
-    return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low) + kReach)),
-                   hn::Lt(v, hn::Set(d, static_cast<float>(high) - kReach)));
-  };
-  const NodeKey &low = rules.keep_min, &high = rules.keep_max;
-  return hn::And(within(p.x, low.x, high.x), hn::And(within(p.y, low.y, high.y), within(p.z, low.z, high.z)));
-}
-
 HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const TrailRules& rules, size_t lane,
                             HitTrails* out) {
   const DI di;
   const Surface surface(d, rules.model, h.range);
-  const MF inside = WellInside(d, h.p, rules);
+  const MF inside = Within(d, h.p, rules, kReach);  // no voxel of the trail can be left out
   const bool all_kept = hn::AllTrue(d, hn::Or(inside, hn::Not(h.hit)));
   const Vector3 end{hn::Floor(h.p.x), hn::Floor(h.p.y), hn::Floor(h.p.z)};
   const VI at_end = hn::Max(hn::Set(di, rules.model.hit_units),
@@ -264,6 +255,7 @@ void CellTrails(const ScanImage& image, const float* const end[3], size_t first,
     h.inward = {inward(0), inward(1), inward(2)};
     h.support = hn::Mul(hn::LoadU(d, image.support.data() + i), inverse);
     Complete(d, {hn::LoadU(d, end[0] + i), hn::LoadU(d, end[1] + i), hn::LoadU(d, end[2] + i)}, frame, &h);
+    h.hit = hn::And(h.hit, Within(d, h.p, rules, -kReach));
     const uint32_t bits = BitsOf(d, h.hit) & lane_bits;
     out->hits |= bits << lane;
     if (bits != 0) WriteTrails(d, h, frame, rules, lane, out);
