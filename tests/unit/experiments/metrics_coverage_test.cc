@@ -229,7 +229,11 @@ TEST(CoverageScorer, MillionsOfPointsAreScoredAndAlignedInSeconds) {
   RecordProperty("truth_points", static_cast<int>(truth.points.size()));
   RecordProperty("build_ms", static_cast<int>(1e3 * build_s));
   RecordProperty("worst_cloud_ms", static_cast<int>(1e3 * worst_s));
-  EXPECT_LT(worst_s, 4.0);  // 0.5 s built for release; sanitizers are slower
+#ifdef __SANITIZE_THREAD__
+  EXPECT_LT(worst_s, 16.0);
+#else
+  EXPECT_LT(worst_s, 4.0);  // 0.5 s built for release; other sanitizers are slower
+#endif
 }
 
 TEST(ClipTriangle, AreaIsThatOfTheIntersection) {
