@@ -77,7 +77,7 @@ HWY_INLINE BoxVerdict VerdictOf(DF d, const ScanImage& image, const ScanFrame& f
   const MF all = hn::And(bounds.known, hn::Lt(farthest, bounds.least_own));
   const MF full = hn::AndNot(hn::Or(near, hn::Or(gone, f.clipped)), all);
   const uint32_t full_bits = BitsOf(d, full), gone_bits = BitsOf(d, gone);
-  return {~(full_bits | gone_bits), full_bits};
+  return {LaneBits(d) & ~(full_bits | gone_bits), full_bits};
 }
 
 /// @param slopes  where not null, filled too where cubes are mixed.
@@ -85,7 +85,6 @@ CubeTests TestCubes(const ScanImage& image, const ScanFrame& frame, const float*
                     const float* z, float half_side, CubeSlopes* slopes) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   const float per_voxel = frame.resolution_m / static_cast<float>(image.grid->min_pitch_rad);
   CubeTests out;
   for (size_t i = 0; i < kGroup; i += lanes) {
@@ -93,12 +92,12 @@ CubeTests TestCubes(const ScanImage& image, const ScanFrame& frame, const float*
         CubesAt(d, frame, hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), half_side);
     const Footprint footprint = FootprintOf(d, *image.grid, cubes);
     const BoxVerdict v = VerdictOf(d, image, frame, cubes, footprint, half_side);
-    const auto put = [&](uint32_t bits, uint32_t* to) { *to |= (bits & lane_bits) << i; };
+    const auto put = [&](uint32_t bits, uint32_t* to) { *to |= bits << i; };
     put(v.mixed, &out.mixed);
     put(v.full, &out.full);
     put(BitsOf(d, hn::Ge(cubes.distance, hn::Set(d, 2.0f * per_voxel))), &out.two_apart);
     put(BitsOf(d, hn::Ge(cubes.distance, hn::Set(d, 4.0f * per_voxel))), &out.four_apart);
-    if (slopes == nullptr || (v.mixed & lane_bits) == 0) continue;
+    if (slopes == nullptr || v.mixed == 0) continue;
     put(BitsOf(d, StoreSlopes(d, frame, *image.grid, cubes, footprint, half_side, i, slopes)), &out.smooth);
   }
   return out;
@@ -151,7 +150,6 @@ uint32_t SlopesOfBlocks(const ScanImage& image, const ScanFrame& frame, const fl
                         const float* z, CubeSlopes* out) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   constexpr float kHalf = 0.5f * kBlockSide;
   uint32_t smooth = 0;
   for (size_t i = 0; i < kGroup; i += lanes) {
@@ -159,7 +157,7 @@ uint32_t SlopesOfBlocks(const ScanImage& image, const ScanFrame& frame, const fl
         CubesAt(d, frame, hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), kHalf);
     const MF holds =
         StoreSlopes(d, frame, *image.grid, cubes, FootprintOf(d, *image.grid, cubes), kHalf, i, out);
-    smooth |= (BitsOf(d, holds) & lane_bits) << i;
+    smooth |= BitsOf(d, holds) << i;
   }
   return smooth;
 }

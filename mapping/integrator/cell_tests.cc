@@ -100,7 +100,6 @@ HWY_INLINE GroupBits TestGroups(const CellImages& images, const Lattice& lattice
                                 const float first[3], const float step[3], int groups) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   Projected at;
   uint64_t in = 0;
   for (int j = 0; j < groups; ++j) {
@@ -115,12 +114,12 @@ HWY_INLINE GroupBits TestGroups(const CellImages& images, const Lattice& lattice
       hn::Store(p.u, d, at.u + slot);
       hn::Store(p.v, d, at.v + slot);
       hn::Store(p.distance, d, at.distance + slot);
-      in |= static_cast<uint64_t>(TestOwn(d, images, p) & lane_bits) << slot;
+      in |= static_cast<uint64_t>(TestOwn(d, images, p)) << slot;
     }
   }
   GroupBits out{0, 0};
   for (size_t slot = 0; slot < static_cast<size_t>(groups) * kGroup; slot += lanes) {
-    const uint32_t bits = static_cast<uint32_t>(in >> slot) & lane_bits;
+    const uint32_t bits = static_cast<uint32_t>(in >> slot) & LaneBits(d);
     if (bits == 0) continue;
     const GridPoint p{hn::Load(d, at.u + slot), hn::Load(d, at.v + slot), hn::Load(d, at.distance + slot)};
     const Verdict verdict = TestAround(d, images, p, bits);

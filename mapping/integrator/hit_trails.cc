@@ -113,8 +113,7 @@ HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept
                     const TrailRules& rules, int at, size_t lane, HitTrails* out) {
   const DI di;
   const MF kept = all_kept ? said : hn::And(said, Within(d, voxel, rules, 0.0f));
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << hn::Lanes(d)) - 1);
-  const uint32_t bits = BitsOf(d, kept) & lane_bits;
+  const uint32_t bits = BitsOf(d, kept);
   if (bits == 0) return;
   out->says[at] |= bits << lane;
   const VI x = hn::ConvertTo(di, voxel.x), y = hn::ConvertTo(di, voxel.y), z = hn::ConvertTo(di, voxel.z);
@@ -134,7 +133,7 @@ HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept
   const VI slot = hn::GatherIndex(di, rules.slots, hn::Or(hn::ShiftLeft<9>(row), block));
   hn::Store(hn::Or(hn::ShiftLeft<9>(slot), index), di, out->place[at] + lane);
   const MF none = hn::And(kept, hn::RebindMask(d, hn::Eq(slot, hn::Zero(di))));
-  out->homeless[at] |= (BitsOf(d, none) & lane_bits) << lane;
+  out->homeless[at] |= BitsOf(d, none) << lane;
   hn::Store(delta, di, out->delta[at] + lane);
 }
 
@@ -212,7 +211,6 @@ HWY_INLINE void DropRepeats(HitTrails* out) {
   const DF d;
   const DI di;
   const size_t lanes = hn::Lanes(di);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   alignas(64) int32_t before[3][kHitGroup + 1];
   for (size_t i = 0; i < kHitGroup; i += lanes) {
     hn::StoreU(hn::Load(di, out->block[0] + i), di, before[0] + 1 + i);
@@ -225,21 +223,25 @@ HWY_INLINE void DropRepeats(HitTrails* out) {
     const auto same = hn::And(hn::Eq(hn::LoadU(di, before[0] + i), hn::Load(di, out->block[0] + i)),
                               hn::Eq(hn::LoadU(di, before[1] + i), hn::Load(di, out->voxel[0] + i)));
     const auto enough = hn::Not(hn::Lt(hn::LoadU(di, before[2] + i), hn::Load(di, out->said + i)));
-    repeats |= (BitsOf(d, hn::RebindMask(d, hn::And(same, enough))) & lane_bits) << i;
+    repeats |= BitsOf(d, hn::RebindMask(d, hn::And(same, enough))) << i;
   }
   const uint32_t told = out->hits & out->says[0];
   out->hits &= ~(repeats & told & told << 1);
+}
+
+/// Nothing is said yet.
+HWY_INLINE void Begin(HitTrails* out) {
+  out->hits = 0;
+  for (uint32_t& says : out->says) says = 0;
+  for (uint32_t& homeless : out->homeless) homeless = 0;
 }
 
 void CellTrails(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
                 const TrailRules& rules, HitTrails* out) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   const VF inverse = hn::Set(d, 1.0f / frame.resolution_m);
-  out->hits = 0;
-  for (uint32_t& says : out->says) says = 0;
-  for (uint32_t& homeless : out->homeless) homeless = 0;
+  Begin(out);
   for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
     const size_t i = first + lane;
     Hits h;
@@ -256,7 +258,7 @@ void CellTrails(const ScanImage& image, const float* const end[3], size_t first,
     h.support = hn::Mul(hn::LoadU(d, image.support.data() + i), inverse);
     Complete(d, {hn::LoadU(d, end[0] + i), hn::LoadU(d, end[1] + i), hn::LoadU(d, end[2] + i)}, frame, &h);
     h.hit = hn::And(h.hit, Within(d, h.p, rules, -kReach));
-    const uint32_t bits = BitsOf(d, h.hit) & lane_bits;
+    const uint32_t bits = BitsOf(d, h.hit);
     out->hits |= bits << lane;
     if (bits != 0) WriteTrails(d, h, frame, rules, lane, out);
   }
@@ -266,10 +268,7 @@ void CellTrails(const ScanImage& image, const float* const end[3], size_t first,
 void GroupTrails(const HitGroup& hits, const ScanFrame& frame, const TrailRules& rules, HitTrails* out) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
-  out->hits = 0;
-  for (uint32_t& says : out->says) says = 0;
-  for (uint32_t& homeless : out->homeless) homeless = 0;
+  Begin(out);
   for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
     const auto load = [&](const float(&v)[3][kHitGroup]) {
       return Vector3{hn::Load(d, v[0] + lane), hn::Load(d, v[1] + lane), hn::Load(d, v[2] + lane)};
@@ -279,7 +278,7 @@ void GroupTrails(const HitGroup& hits, const ScanFrame& frame, const TrailRules&
     h.support = hn::Load(d, hits.support + lane);
     h.inward = load(hits.inward);
     Complete(d, load(hits.end), frame, &h);
-    out->hits |= (BitsOf(d, h.hit) & lane_bits) << lane;
+    out->hits |= BitsOf(d, h.hit) << lane;
     WriteTrails(d, h, frame, rules, lane, out);
   }
 }
@@ -288,10 +287,9 @@ uint32_t NewOfGroup(const HitTrails& trails, const int8_t* held) {
   const DF d;
   const DI di;
   const size_t lanes = hn::Lanes(di);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   uint32_t more = 0;
   for (size_t i = 0; i < kHitGroup; i += lanes) {
-    const uint32_t said = trails.says[0] >> i & lane_bits;
+    const uint32_t said = trails.says[0] >> i & LaneBits(d);
     VI place = hn::Load(di, trails.place[0] + i);
     if (said == 0) continue;
     const uint64_t bits = said;
@@ -300,7 +298,7 @@ uint32_t NewOfGroup(const HitTrails& trails, const int8_t* held) {
     const VI four = hn::GatherIndex(di, reinterpret_cast<const int32_t*>(held), hn::ShiftRight<2>(place));
     const VI above = hn::Sub(hn::Set(di, 24), hn::ShiftLeft<3>(hn::And(place, hn::Set(di, 3))));
     const VI value = hn::ShiftRight<24>(hn::Shl(four, above));
-    more |= (BitsOf(d, hn::RebindMask(d, hn::Lt(value, hn::Load(di, trails.said + i)))) & lane_bits) << i;
+    more |= BitsOf(d, hn::RebindMask(d, hn::Lt(value, hn::Load(di, trails.said + i)))) << i;
   }
   return trails.hits & (more | ~trails.says[0]);
 }

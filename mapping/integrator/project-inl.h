@@ -24,10 +24,14 @@ using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 using MF = hn::Mask<DF>;
 
+/// A bit each of Lanes(d) lanes.
+HWY_INLINE uint32_t LaneBits(DF d) {
+  return static_cast<uint32_t>((uint64_t{1} << hn::Lanes(d)) - 1);
+}
 HWY_INLINE uint32_t BitsOf(DF d, MF mask) {
   uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
-  return static_cast<uint32_t>(bytes[0]) | static_cast<uint32_t>(bytes[1]) << 8;
+  return (static_cast<uint32_t>(bytes[0]) | static_cast<uint32_t>(bytes[1]) << 8) & LaneBits(d);
 }
 
 /// Largest integer not above x. @pre x >= 0.

@@ -98,7 +98,6 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
   const DI di;
   const ScanImage& image = *images.image;
   const size_t lanes = hn::Lanes(d);
-  const uint32_t lane_bits = static_cast<uint32_t>((uint64_t{1} << lanes) - 1);
   const VF half = hn::Set(d, 0.5f);
   // From a cell to the window around it.
   const float* const around_first = images.around +
@@ -106,15 +105,15 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
                                     images.columns_before;
   const Lookup own(d, images.own, images.pitch, s, image.rows - 1);
   const Lookup around(d, around_first, images.pitch, s, image.rows - 1);
-  alignas(64) float along_x[kGroup], along_y[kGroup];
-  for (size_t i = 0; i < kGroup; ++i) {
-    along_x[i] = side * (static_cast<float>(i & 3) - 1.5f);
-    along_y[i] = side * (static_cast<float>(i >> 2) - 1.5f);
-  }
+  alignas(64) static constexpr float kAlongX[kGroup] = {-1.5f, -0.5f, 0.5f, 1.5f, -1.5f, -0.5f, 0.5f, 1.5f,
+                                                        -1.5f, -0.5f, 0.5f, 1.5f, -1.5f, -0.5f, 0.5f, 1.5f};
+  alignas(64) static constexpr float kAlongY[kGroup] = {
+      -1.5f, -1.5f, -1.5f, -1.5f, -0.5f, -0.5f, -0.5f, -0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 1.5f, 1.5f, 1.5f, 1.5f};
+  const VF sides = hn::Set(d, side);
   alignas(64) float at_u[4 * kGroup], at_v[4 * kGroup], at_distance[4 * kGroup];
   uint64_t in = 0;
   for (size_t i = 0; i < kGroup; i += lanes) {
-    const VF x = hn::Load(d, along_x + i), y = hn::Load(d, along_y + i);
+    const VF x = hn::Mul(hn::Load(d, kAlongX + i), sides), y = hn::Mul(hn::Load(d, kAlongY + i), sides);
     const auto layer = [&](float middle, const float slope[3]) {
       const VF flat = hn::Add(hn::Mul(x, hn::Set(d, slope[0])), hn::Mul(y, hn::Set(d, slope[1])));
       return hn::Add(flat, hn::Set(d, middle - 1.5f * side * slope[2]));
@@ -127,7 +126,7 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
       const VF distance = hn::Add(distance0, hn::Set(d, at * s.ddistance[2]));
       const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
       const MF behind = hn::Lt(distance, own.At(d, row, column));
-      in |= static_cast<uint64_t>(BitsOf(d, behind) & lane_bits) << slot;
+      in |= static_cast<uint64_t>(BitsOf(d, behind)) << slot;
       hn::Store(u, d, at_u + slot);
       hn::Store(v, d, at_v + slot);
       hn::Store(distance, d, at_distance + slot);
@@ -135,7 +134,7 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
   }
   GroupBits out{0, 0};
   for (size_t slot = 0; slot < 4 * kGroup; slot += lanes) {
-    const uint32_t bits = static_cast<uint32_t>(in >> slot) & lane_bits;
+    const uint32_t bits = static_cast<uint32_t>(in >> slot) & LaneBits(d);
     if (bits == 0) continue;
     const VF u = hn::Load(d, at_u + slot), v = hn::Load(d, at_v + slot),
              distance = hn::Load(d, at_distance + slot);

@@ -212,17 +212,41 @@ TEST_F(MapCommand, DamagedMapsAreOneLine) {
   ExpectRefusal("eval short.atlas --truth good/cloud.ply", {"short.atlas", "ends early"});
 }
 
-TEST_F(MapCommand, SharedRecordingsMapWithOneCommandEach) {
-  const auto graph = atlas::testing::SharedData("octomap/spherical_scan.graph");
-  const auto pair = atlas::testing::SharedData("scan_pair");
-  if (!graph || !pair)
-    GTEST_SKIP() << "real recordings are not the project's to carry; set ATLAS_SHARED_DATA";
-  ExpectDone("map --scans '" + graph->string() + "' --mesh --out graph");
-  EXPECT_EQ(Json("graph/summary.json")["scans"], 1);
-  ExpectDone("map --scans '" + pair->string() + "' --mesh --out pair");
-  EXPECT_EQ(Json("pair/summary.json")["scans"], 2);
-  ExpectDone("eval pair/cloud.ply --truth '" + (*pair / "target.ply").string() + "' --json score.json");
-  EXPECT_GT(Json("score.json")["as_is"]["coverage"][1]["share"], 0.99);
+/// A scan graph and a pair of clouds with the relation between them; the real ones too, where they are.
+TEST_F(MapCommand, GraphsAndPairsMapWithOneCommandEach) {
+  const atlas::core::LidarModel lidar = atlas::core::FindLidarModel("os0_64");
+  std::string graph;
+  for (const int i : {0, 1}) {
+    const auto cloud = atlas::testing::RoomCloud(lidar, {}, static_cast<uint64_t>(i), Vec3(i, 0.0, 0.0));
+    atlas::core::WriteFileAtomically(
+        dir_ / "pair" / (i == 0 ? "target.pcd" : "source.pcd"),
+        atlas::mapping::CloudToPcd(cloud, atlas::mapping::CloudEncoding::kBinary));
+    graph += "NODE " + std::to_string(i) + " 0 0 0 0 0\n";
+    for (size_t k = 0; k < cloud.size(); k += 8) {
+      const Vec3f& p = cloud.p_lidar[k];
+      if (!p.allFinite()) continue;
+      graph += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
+    }
+  }
+  Write("pair/T_target_source.txt", "1 0 0 1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  Write("room.graph", graph);
+  const auto expect_mapped = [&](const std::string& scans, const std::string& out, int count) {
+    ExpectDone("map --scans '" + scans + "' --mesh --out " + out);
+    EXPECT_EQ(Json(out + "/summary.json")["scans"], count);
+    EXPECT_TRUE(fs::exists(dir_ / out / "mesh.ply"));
+  };
+  const auto expect_pair = [&](const std::string& scans, const std::string& out) {
+    expect_mapped(scans, out, 2);
+    ExpectDone("eval " + out + "/cloud.ply --truth '" + scans + "/" +
+               (out == "pair_map" ? "target.pcd" : "target.ply") + "' --json score.json");
+    EXPECT_GT(Json("score.json")["as_is"]["coverage"][1]["share"], 0.99);
+  };
+  expect_mapped("room.graph", "graph_map", 2);
+  expect_pair("pair", "pair_map");
+  if (const auto real = atlas::testing::SharedData("octomap/spherical_scan.graph")) {
+    expect_mapped(real->string(), "real_graph_map", 1);
+  }
+  if (const auto real = atlas::testing::SharedData("scan_pair")) expect_pair(real->string(), "real_pair_map");
 }
 
 }  // namespace
