@@ -139,20 +139,27 @@ HWY_INLINE MF StoreSlopes(DF d, const ScanFrame& frame, const BeamGrid& grid, co
   const VF beside = hn::Add(hn::Mul(hn::Mul(m.across, columns_per_m), reach), slack);
   const VF above = hn::Sub(slack, hn::Mul(hn::Mul(m.up, rows_per_m), reach));
   const VF column = hn::Floor(hn::Sub(f.u, beside)), first_row = hn::Floor(hn::Sub(row, above));
-  const MF narrow =
-      hn::Lt(hn::Sub(hn::Add(f.u, beside), column), hn::Set(d, static_cast<float>(CubeSlopes::kColumns - 1)));
-  const MF low =
-      hn::Lt(hn::Sub(hn::Add(row, above), first_row), hn::Set(d, static_cast<float>(CubeSlopes::kRows - 1)));
-  const MF fits = hn::And(hn::Ge(first_row, hn::Zero(d)), hn::And(narrow, low));
+  const VF last_column = hn::Sub(hn::Add(f.u, beside), column);
+  const VF last_row = hn::Sub(hn::Add(row, above), first_row);
+  VI window = hn::Set(di, CubeSlopes::kWindows);
+  for (int i = CubeSlopes::kWindows - 1; i >= 0; --i) {
+    const MF fits = hn::And(hn::Lt(last_column, hn::Set(d, static_cast<float>(CubeSlopes::kColumns[i] - 1))),
+                            hn::Lt(last_row, hn::Set(d, static_cast<float>(CubeSlopes::kRows[i] - 1))));
+    window = hn::IfThenElse(hn::RebindMask(di, fits), hn::Set(di, i), window);
+  }
+  const MF above_first = hn::Lt(first_row, hn::Zero(d));
+  window = hn::IfThenElse(hn::RebindMask(di, above_first), hn::Set(di, CubeSlopes::kWindows), window);
   hn::Store(hn::ConvertTo(di, column), di, out->first_column + lane);
-  hn::Store(hn::IfThenElse(hn::RebindMask(di, fits), hn::ConvertTo(di, first_row), hn::Set(di, -1)), di,
-            out->first_row + lane);
+  hn::Store(hn::ConvertTo(di, first_row), di, out->first_row + lane);
+  hn::Store(window, di, out->window + lane);
   for (size_t a = 0; a < 3; ++a) {
     hn::Store(hn::Mul(m.axis[a].across, columns_per_m), d, out->du[a] + lane);
     hn::Store(hn::Mul(m.axis[a].up, rows_per_m), d, out->dv[a] + lane);
     hn::Store(m.axis[a].along, d, out->ddistance[a] + lane);
   }
-  const MF far = hn::And(hn::Ge(m.flat, nearest), hn::Le(bend, hn::Set(d, 2.0f * kRowBend)));
+  const VF rows_per_voxel = hn::Mul(hn::Neg(rows_per_m), hn::Set(d, frame.resolution_m));
+  const VF bends = hn::Max(hn::Set(d, kRowBend), hn::Mul(rows_per_voxel, hn::Set(d, kFirstOrder)));
+  const MF far = hn::And(hn::Ge(m.flat, nearest), hn::Le(bend, hn::Add(bends, bends)));
   const MF seamless = hn::And(hn::RebindMask(d, hn::Gt(f.u0, hn::Set(di, kColumnsSpare - 1))),
                               hn::RebindMask(d, hn::Lt(f.u1, hn::Set(di, grid.columns))));
   return hn::AndNot(hn::Or(f.outside, f.clipped), hn::And(far, seamless));

@@ -7,8 +7,34 @@
 namespace atlas::mapping {
 namespace {
 
-constexpr double kCrowded = 0.25;  ///< voxels between beams: closer, and hits are many a voxel
+// Voxels between beams:
+constexpr double kDense = 0.5;     ///< farther, and hardly a voxel holds two hits
+constexpr double kCrowded = 0.35;  ///< closer, and hits are many a voxel
 constexpr int kWindowMargin = 8;   ///< voxels beyond the outermost ray end
+
+/// With the plane of the hit in its cell where that is near, else seen head on.
+void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
+                HitQueue* queue) {
+  const auto ray = static_cast<size_t>(spare.ray), cell = static_cast<size_t>(spare.cell);
+  const size_t at = queue->count++;
+  const float inverse = 1.0f / frame.resolution_m;
+  const bool near = std::abs(image.range[cell] - image.ray_range[ray]) < frame.resolution_m;
+  const float range = image.ray_range[ray] * inverse;
+  queue->range[at] = range;
+  float l1 = 0.0f;
+  for (int a = 0; a < 3; ++a) {
+    const float* axis = frame.axis[a];
+    const float end = inverse * inverse *
+                      (axis[0] * image.ray_x[ray] + axis[1] * image.ray_y[ray] + axis[2] * image.ray_z[ray]);
+    const float inward =
+        near ? -inverse * (axis[0] * image.nx[cell] + axis[1] * image.ny[cell] + axis[2] * image.nz[cell])
+             : end / range;
+    queue->end[a][at] = end;
+    queue->inward[a][at] = inward;
+    l1 += std::abs(inward);
+  }
+  queue->support[at] = 0.5f * l1;
+}
 
 }  // namespace
 
@@ -80,26 +106,30 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
   TrailRules rules{model,
                    keep_min,
                    keep_max,
+                   static_cast<float>(kDense / image.grid->min_pitch_rad),
                    static_cast<float>(kCrowded / image.grid->min_pitch_rad),
                    row_of_chunk_.data(),
                    nullptr};
   const float* const ends[3] = {wx_.data(), wy_.data(), wz_.data()};
-  HitTrails trails{};
+  HitQueue queue{};
+  const auto take = [&](size_t least) {
+    while (queue.count >= least) {
+      Reserve(&rules);
+      TakeTrails(frame, rules, &queue, &trails_);
+      ScatterTrails(&trails_);
+    }
+  };
   const size_t cells = image.range.size();
   for (size_t i = 0; i < cells; i += kHitGroup) {
     Reserve(&rules);
-    TrailsOfCells(image, ends, std::min(i, cells - kHitGroup), frame, rules, &trails);
-    ScatterTrails(&trails);
+    QueueCells(image, ends, std::min(i, cells - kHitGroup), frame, rules, blocks_.front().delta, &queue);
+    take(kHitGroup);
   }
-  HitGroup group;
-  for (size_t i = 0; i < image.spare.size(); i += kHitGroup) {
-    for (size_t lane = 0; lane < kHitGroup; ++lane) {
-      FillSpare(image, frame, image.spare[std::min(i + lane, image.spare.size() - 1)], lane, &group);
-    }
-    Reserve(&rules);
-    TrailsOfHits(group, frame, rules, &trails);
-    ScatterTrails(&trails);
+  for (const ScanImage::SpareHit& spare : image.spare) {
+    QueueSpare(image, frame, spare, &queue);
+    take(kHitGroup);
   }
+  take(1);
 }
 
 void HitScatter::ScatterTrails(HitTrails* trails) {
@@ -113,34 +143,13 @@ void HitScatter::ScatterTrails(HitTrails* trails) {
     }
   }
   PackUpdates(*trails, news, &updates_);
-  for (size_t i = 0; i < updates_.count; ++i) {
-    int8_t* value = held + updates_.place[i];
-    const int32_t delta = updates_.delta[i], now = *value;
-    *value = static_cast<int8_t>(now == 0 || delta > now ? delta : now);
+  const size_t count = updates_.count;
+  for (size_t i = 0; i < count; ++i) {
+    int8_t& value = held[updates_.place[i]];
+    const int32_t now =
+        value - 128 * static_cast<int32_t>(value == 0);  // no branch: it would be guessed wrong
+    value = static_cast<int8_t>(std::max(updates_.delta[i], now));
   }
-}
-
-/// With the plane of the hit in its cell where that is near, else seen head on.
-void HitScatter::FillSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
-                           size_t lane, HitGroup* group) const {
-  const auto ray = static_cast<size_t>(spare.ray), cell = static_cast<size_t>(spare.cell);
-  const float inverse = 1.0f / frame.resolution_m;
-  const bool near = std::abs(image.range[cell] - image.ray_range[ray]) < frame.resolution_m;
-  const float range = image.ray_range[ray] * inverse;
-  group->range[lane] = range;
-  float l1 = 0.0f;
-  for (int a = 0; a < 3; ++a) {
-    const float* axis = frame.axis[a];
-    const float end = inverse * inverse *
-                      (axis[0] * image.ray_x[ray] + axis[1] * image.ray_y[ray] + axis[2] * image.ray_z[ray]);
-    const float inward =
-        near ? -inverse * (axis[0] * image.nx[cell] + axis[1] * image.ny[cell] + axis[2] * image.nz[cell])
-             : end / range;
-    group->end[a][lane] = end;
-    group->inward[a][lane] = inward;
-    l1 += std::abs(inward);
-  }
-  group->support[lane] = 0.5f * l1;
 }
 
 }  // namespace atlas::mapping

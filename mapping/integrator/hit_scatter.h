@@ -42,8 +42,6 @@ class HitScatter {
 
  private:
   void ScatterTrails(HitTrails* trails);
-  void FillSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
-                 size_t lane, HitGroup* group) const;
   /// Makes room for what a group may touch, so that pointers into blocks_ stay good through it.
   void Reserve(TrailRules* rules);
   /// The slot of a block (HitTrails::block), made if it has none.
@@ -56,6 +54,7 @@ class HitScatter {
   std::vector<int32_t> slots_;  ///< of a chunk's blocks, x fastest
   std::vector<HitBlock> blocks_;
   size_t blocks_used_ = 0, rows_used_ = 0;
+  HitTrails trails_;
   VoxelUpdates updates_;
 };
 

@@ -29,9 +29,9 @@ HWY_INLINE uint32_t LaneBits(DF d) {
   return static_cast<uint32_t>((uint64_t{1} << hn::Lanes(d)) - 1);
 }
 HWY_INLINE uint32_t BitsOf(DF d, MF mask) {
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  return (static_cast<uint32_t>(bytes[0]) | static_cast<uint32_t>(bytes[1]) << 8) & LaneBits(d);
+  uint64_t bits = 0;  // little-endian, as all targets here are
+  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
+  return static_cast<uint32_t>(bits) & LaneBits(d);
 }
 
 /// Largest integer not above x. @pre x >= 0.

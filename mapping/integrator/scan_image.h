@@ -74,13 +74,13 @@ struct ScanImage {
   // --- Kept from scan to scan, so that no stage asks for memory: the rays in the cells that they fall into,
   // with a column of margin on either side, which rays were taken, and a row of bounds.
   struct Bins {
-    std::vector<float> du, dv, distance;
+    std::vector<float> du, dv;
     std::vector<int32_t> ray;
     size_t pitch = 0;
   };
   Bins bins;
   std::vector<uint8_t> taken;
-  std::vector<float> row_own, row_bound;
+  std::vector<float> row_bound;
   std::vector<float> row_reach_m;  ///< a worker each
 };
 

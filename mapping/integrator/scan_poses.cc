@@ -17,10 +17,34 @@ double AngleOf(const core::Mat3& R) {
 
 bool RowsShareTimes(const core::LidarScan& scan) {
   const auto columns = static_cast<size_t>(scan.columns);
-  for (size_t i = columns; i < scan.time_s.size(); ++i) {
-    if (!(std::abs(scan.time_s[i] - scan.time_s[i - columns]) < kSharedTimeS)) return false;
+  for (size_t row = columns; row < scan.time_s.size(); row += columns) {
+    int apart = 0;
+    for (size_t i = row; i < row + columns; ++i) {
+      apart += !(std::abs(scan.time_s[i] - scan.time_s[i - columns]) < kSharedTimeS);
+    }
+    if (apart > 0) return false;
   }
   return true;
+}
+
+/// The first and the last time, by lanes that compilers turn into vectors.
+std::pair<float, float> TimesOf(const std::vector<float>& times) {
+  constexpr size_t kLanes = 16;
+  std::array<float, kLanes> first, last;
+  first.fill(times.front());
+  last.fill(times.front());
+  size_t i = 0;
+  for (; i + kLanes <= times.size(); i += kLanes) {
+    for (size_t k = 0; k < kLanes; ++k) {
+      first[k] = std::min(first[k], times[i + k]);
+      last[k] = std::max(last[k], times[i + k]);
+    }
+  }
+  for (; i < times.size(); ++i) {
+    first[0] = std::min(first[0], times[i]);
+    last[0] = std::max(last[0], times[i]);
+  }
+  return {*std::min_element(first.begin(), first.end()), *std::max_element(last.begin(), last.end())};
 }
 
 void SetPose(size_t i, const core::Pose& T, ColumnPoses* out) {
@@ -56,9 +80,9 @@ void PosesOfScan(const core::SpinEvent& spin, bool motion_aware, ColumnPoses* po
     out.T_odom_mid = spin.T_odom_lidar.At(scan.stamp_s);
     return;
   }
-  const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
-  const double begin_s = scan.stamp_s + static_cast<double>(*first);
-  const double span_s = static_cast<double>(*last) - static_cast<double>(*first);
+  const auto [first_s, last_s] = TimesOf(scan.time_s);
+  const double begin_s = scan.stamp_s + static_cast<double>(first_s);
+  const double span_s = static_cast<double>(last_s) - static_cast<double>(first_s);
   out.T_odom_mid = spin.T_odom_lidar.At(begin_s + 0.5 * span_s);
   if (!motion_aware) return;
 
@@ -82,7 +106,7 @@ void PosesOfScan(const core::SpinEvent& spin, bool motion_aware, ColumnPoses* po
     out.pose_of_ray.resize(scan.time_s.size());
     const float scale = span_s > 0.0 ? static_cast<float>(static_cast<double>(columns - 1) / span_s) : 0.0f;
     for (size_t i = 0; i < scan.time_s.size(); ++i) {
-      out.pose_of_ray[i] = static_cast<int32_t>((scan.time_s[i] - *first) * scale + 0.5f);
+      out.pose_of_ray[i] = static_cast<int32_t>((scan.time_s[i] - first_s) * scale + 0.5f);
     }
   }
 }

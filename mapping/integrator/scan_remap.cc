@@ -123,12 +123,13 @@ HWY_INLINE void BinRay(size_t i, ScanImage* image) {
   auto column = static_cast<size_t>(u + 0.5f);
   const float du = u - static_cast<float>(column), dv = v - static_cast<float>(row);
   if (column >= static_cast<size_t>(image->columns)) column -= static_cast<size_t>(image->columns);
-  const float eu = du * static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[row];
-  const float ev = dv * grid.row_pitch_rad[row];
-  const float e = eu * eu + ev * ev;
+  const float per_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[row];
   const size_t bin = row * bins.pitch + column + 1;
-  if (e >= bins.distance[bin]) return;
-  bins.distance[bin] = e;
+  const auto apart = [&](float u_off, float v_off) {
+    const float eu = u_off * per_u, ev = v_off * grid.row_pitch_rad[row];
+    return eu * eu + ev * ev;
+  };
+  if (apart(du, dv) >= apart(bins.du[bin], bins.dv[bin])) return;
   bins.du[bin] = du;
   bins.dv[bin] = dv;
   bins.ray[bin] = static_cast<int32_t>(i);
@@ -152,13 +153,15 @@ HWY_INLINE bool BinAdjacent(DF d, size_t i, ScanImage* image) {
     return false;
   const auto at = static_cast<size_t>(row);
   const VF du = hn::Sub(u, columns), dv = hn::Sub(v, rows);
-  const VF eu = hn::Mul(hn::Mul(du, hn::Set(d, static_cast<float>(grid.column_pitch_rad))),
-                        hn::Set(d, grid.cos_elevation[at]));
-  const VF ev = hn::Mul(dv, hn::Set(d, grid.row_pitch_rad[at]));
-  const VF e = hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev));
+  const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
+  const VF per_v = hn::Set(d, grid.row_pitch_rad[at]);
+  const auto apart = [&](VF u_off, VF v_off) {
+    const VF eu = hn::Mul(u_off, per_u), ev = hn::Mul(v_off, per_v);
+    return hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev));
+  };
   const size_t bin = at * bins.pitch + static_cast<size_t>(column) + 1;
-  const MF nearer = hn::Lt(e, hn::LoadU(d, bins.distance.data() + bin));
-  hn::BlendedStore(e, nearer, d, bins.distance.data() + bin);
+  const VF held = apart(hn::LoadU(d, bins.du.data() + bin), hn::LoadU(d, bins.dv.data() + bin));
+  const MF nearer = hn::Lt(apart(du, dv), held);
   hn::BlendedStore(du, nearer, d, bins.du.data() + bin);
   hn::BlendedStore(dv, nearer, d, bins.dv.data() + bin);
   hn::BlendedStore(hn::Iota(di, static_cast<int>(i)), hn::RebindMask(di, nearer), di, bins.ray.data() + bin);
@@ -237,6 +240,26 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
   return hn::Abs(range);
 }
 
+/// Marks the rays that cells chose, a byte each.
+void MarkTaken(const std::vector<int32_t>& cell_ray, uint8_t* taken) {
+  const DI di;
+  const hn::Rebind<uint8_t, DI> d8;
+  const size_t lanes = hn::Lanes(di);
+  const auto one = hn::Set(d8, 1);
+  for (size_t i = 0; i < cell_ray.size(); i += lanes) {
+    const size_t at = std::min(i, cell_ray.size() - lanes);
+    const VI rays = hn::LoadU(di, cell_ray.data() + at);
+    const int first = hn::GetLane(rays);
+    if (first >= 0 && hn::AllTrue(di, hn::Eq(rays, hn::Iota(di, first)))) {
+      hn::StoreU(one, d8, taken + first);
+      continue;
+    }
+    for (size_t k = at; k < at + lanes; ++k) {
+      if (cell_ray[k] >= 0) taken[cell_ray[k]] = 1;
+    }
+  }
+}
+
 /// Returns how far their matches reach, metres.
 float MatchRows(const ImageOptions& options, size_t begin, size_t end, ScanImage* image) {
   const DF d;
@@ -262,6 +285,7 @@ namespace {
 HWY_EXPORT(ProjectRows);
 HWY_EXPORT(BinScan);
 HWY_EXPORT(MatchRows);
+HWY_EXPORT(MarkTaken);
 
 constexpr float kEmptyBin = 1e9f;
 
@@ -271,7 +295,6 @@ void BinRays(ScanImage* image) {
   const auto columns = static_cast<size_t>(image->columns);
   // Empty bins are told by `du` alone.
   std::fill(bins.du.begin(), bins.du.end(), kEmptyBin);
-  std::fill(bins.distance.begin(), bins.distance.end(), kEmptyBin);
   HWY_DYNAMIC_DISPATCH(BinScan)(image);
   for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
     const size_t first = row * bins.pitch, last = first + columns + 1;
@@ -290,9 +313,7 @@ void FindSpares(ScanImage* image) {
   image->spare.clear();
   std::vector<uint8_t>& taken = image->taken;
   taken.assign(image->ray_range.size(), 0);
-  for (const int32_t ray : image->cell_ray) {
-    if (ray >= 0) taken[static_cast<size_t>(ray)] = 1;
-  }
+  HWY_DYNAMIC_DISPATCH(MarkTaken)(image->cell_ray, taken.data());
   const auto add = [&](size_t i) {
     if (taken[i] != 0 || image->ray_range[i] <= 0.0f) return;
     const int row = std::clamp(static_cast<int>(image->ray_v[i] + 0.5f), 0, image->rows - 1);
@@ -325,7 +346,7 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
   ScanImage::Bins& bins = image->bins;
   bins.pitch = static_cast<size_t>(grid.columns) + 2;
   const size_t count = bins.pitch * static_cast<size_t>(grid.rows);
-  for (auto* v : {&bins.du, &bins.dv, &bins.distance}) v->resize(count);
+  for (auto* v : {&bins.du, &bins.dv}) v->resize(count);
   bins.ray.resize(count);
   PrepareTables(image);
 }

@@ -119,17 +119,20 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
   const auto columns = static_cast<size_t>(image->columns), rows = static_cast<size_t>(image->rows);
   image->box_unit_m = (options.max_range_m + kGrazingReach * options.reach_behind_m + 1.0f) / 65000.0f;
   const size_t pitch = image->box_pitch, stride = image->box_stride;
-  std::vector<float>&bound = image->row_bound, &own = image->row_own;
   for (size_t row = 0; row < rows; ++row) {
-    std::copy_n(image->own[0].data() + row * static_cast<size_t>(image->pitch), columns, own.data());
-    for (size_t i = 0; i < columns; ++i) {
-      const size_t cell = row * columns + i;
-      const bool reaches = options.reach_behind_m > 0.0f && image->range[cell] > 0.0f;
-      const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
-      bound[i] = reaches ? std::max(own[i], image->range[cell] + reach) : own[i];
+    const float* own = image->own[0].data() + row * static_cast<size_t>(image->pitch);
+    const float* bound = own;
+    if (options.reach_behind_m > 0.0f) {
+      for (size_t i = 0; i < columns; ++i) {
+        const size_t cell = row * columns + i;
+        const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
+        image->row_bound[i] =
+            image->range[cell] > 0.0f ? std::max(own[i], image->range[cell] + reach) : own[i];
+      }
+      bound = image->row_bound.data();
     }
     uint32_t* out = image->box.data() + row * pitch;
-    HWY_DYNAMIC_DISPATCH(PackBounds)(own.data(), bound.data(), 1.0f / image->box_unit_m, columns, out);
+    HWY_DYNAMIC_DISPATCH(PackBounds)(own, bound, 1.0f / image->box_unit_m, columns, out);
     RepeatColumns(out, columns, pitch);
   }
   const auto widen = [&](size_t from, size_t to, size_t across, size_t down) {
@@ -172,7 +175,6 @@ void PrepareTables(ScanImage* image) {
   image->box_stride = rows * image->box_pitch + kSlack;
   image->box.resize(ScanImage::kBoxLevels * image->box_stride);
   image->row_bound.resize(columns + kSlack);
-  image->row_own.resize(columns + kSlack);
 }
 
 void BuildTables(const ImageOptions& options, ScanImage* image) {

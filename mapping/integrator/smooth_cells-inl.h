@@ -9,6 +9,7 @@
 #include "mapping/integrator/cube-inl.h"
 
 HWY_BEFORE_NAMESPACE();
+#undef ATLAS_IMAGE_WINDOWS
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
@@ -32,7 +33,7 @@ struct GroupBits {
 /// Of a cube, from CubeSlopes.
 struct Slopes {
   float u, v, distance, du[3], dv[3], ddistance[3], metres_per_column, metres_per_row;
-  int first_column, first_row;
+  int first_column, first_row, window;
 };
 HWY_INLINE Slopes SlopesOf(const CubeSlopes& all, size_t lane) {
   Slopes s;
@@ -48,6 +49,7 @@ HWY_INLINE Slopes SlopesOf(const CubeSlopes& all, size_t lane) {
   s.metres_per_row = all.metres_per_row[lane];
   s.first_column = all.first_column[lane];
   s.first_row = all.first_row[lane];
+  s.window = all.window[lane];
   return s;
 }
 
@@ -63,29 +65,43 @@ struct WholeImage {
   }
 };
 
-#if HWY_TARGET != HWY_SCALAR
-/// The same in the few cells that a far cube can meet, held in two registers of 16.
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+#define ATLAS_IMAGE_WINDOWS 1
+/// The same in the few cells that a far cube can meet, held in registers. @param kWindow  of CubeSlopes.
+template <int kWindow>
 struct ImageWindow {
-  VF upper, lower, origin;
-  HWY_INLINE ImageWindow(DF d, const float* first, float row_pitch, const Slopes& s, int last_row) {
-    constexpr int kColumns = CubeSlopes::kColumns;
-    const hn::Half<DF> dh;
+  static constexpr int kRows = CubeSlopes::kRows[kWindow], kColumns = CubeSlopes::kColumns[kWindow];
+  static constexpr int kPairs = kRows * kColumns / 32;
+  VF first[kPairs], second[kPairs], origin;  ///< 16 cells each, first[0], second[0], first[1] and so on
+
+  HWY_INLINE ImageWindow(DF d, const float* image, float row_pitch, const Slopes& s, int last_row) {
     const auto row = [&](int k) {
-      const auto at =
-          static_cast<ptrdiff_t>(std::min(s.first_row + k, last_row)) * static_cast<ptrdiff_t>(row_pitch);
-      return hn::LoadU(dh, first + at + s.first_column);
+      return image + s.first_column +
+             static_cast<ptrdiff_t>(std::min(s.first_row + k, last_row)) * static_cast<ptrdiff_t>(row_pitch);
     };
-    upper = hn::Combine(d, row(1), row(0));
-    lower = hn::Combine(d, row(3), row(2));
+    for (int i = 0; i < kPairs; ++i) {
+      if constexpr (kColumns == kGroup) {
+        first[i] = hn::LoadU(d, row(2 * i));
+        second[i] = hn::LoadU(d, row(2 * i + 1));
+      } else {
+        const hn::Half<DF> dh;
+        first[i] = hn::Combine(d, hn::LoadU(dh, row(4 * i + 1)), hn::LoadU(dh, row(4 * i)));
+        second[i] = hn::Combine(d, hn::LoadU(dh, row(4 * i + 3)), hn::LoadU(dh, row(4 * i + 2)));
+      }
+    }
     origin = hn::Set(d, static_cast<float>(s.first_row * kColumns + s.first_column));
   }
   HWY_INLINE VF At(DF d, VF row, VF column) const {
     const DI di;
-    const VF eight = hn::Set(d, static_cast<float>(CubeSlopes::kColumns));
-    const VI at = hn::ConvertTo(di, hn::Sub(hn::Add(hn::Mul(row, eight), column), origin));
-    const auto index = hn::IndicesFromVec(d, hn::And(at, hn::Set(di, 15)));
-    const MF below = hn::RebindMask(d, hn::Gt(at, hn::Set(di, 15)));
-    return hn::IfThenElse(below, hn::TableLookupLanes(lower, index), hn::TableLookupLanes(upper, index));
+    const VF columns = hn::Set(d, static_cast<float>(kColumns));
+    const VI at = hn::ConvertTo(di, hn::Sub(hn::Add(hn::Mul(row, columns), column), origin));
+    // The low five bits choose in a pair, the others the pair.
+    VF out{_mm512_permutex2var_ps(first[0].raw, at.raw, second[0].raw)};
+    for (int i = 1; i < kPairs; ++i) {
+      const VF here{_mm512_permutex2var_ps(first[i].raw, at.raw, second[i].raw)};
+      out = hn::IfThenElse(hn::RebindMask(d, hn::Gt(at, hn::Set(di, 32 * i - 1))), here, out);
+    }
+    return out;
   }
 };
 #endif
@@ -155,10 +171,9 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
 }
 
 HWY_INLINE GroupBits TestSmooth(const CellImages& images, const Slopes& s, float side) {
-#if HWY_TARGET != HWY_SCALAR
-  if constexpr (hn::MaxLanes(DF()) == kGroup) {
-    if (s.first_row >= 0) return TestSmoothBy<ImageWindow>(images, s, side);
-  }
+#ifdef ATLAS_IMAGE_WINDOWS
+  if (s.window == 0) return TestSmoothBy<ImageWindow<0>>(images, s, side);
+  if (s.window == 1) return TestSmoothBy<ImageWindow<1>>(images, s, side);
 #endif
   return TestSmoothBy<WholeImage>(images, s, side);
 }

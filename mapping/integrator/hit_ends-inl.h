@@ -1,0 +1,145 @@
+// Hits and the voxels that hold their ends, for each SIMD target.
+#if defined(ATLAS_MAPPING_INTEGRATOR_HIT_ENDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ATLAS_MAPPING_INTEGRATOR_HIT_ENDS_INL_H_
+#undef ATLAS_MAPPING_INTEGRATOR_HIT_ENDS_INL_H_
+#else
+#define ATLAS_MAPPING_INTEGRATOR_HIT_ENDS_INL_H_
+#endif
+
+#include "mapping/integrator/hit_trails.h"
+#include "mapping/integrator/project-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace atlas::mapping {
+namespace HWY_NAMESPACE {
+
+struct Vector3 {
+  VF x, y, z;
+};
+
+/// Lanes(d) hits.
+struct Hits {
+  Vector3 p, along, inward;  ///< ends in the window, unit directions of the beams, normals
+  VF range, support;
+  MF hit;
+};
+
+/// Eq. 4.2 at the hits' ranges.
+struct Surface {
+  VF band, depth, slope, miss;
+
+  HWY_INLINE Surface(DF d, const SurfaceModel& m, VF range)
+      : band(hn::Mul(hn::Set(d, 3.0f),
+                     hn::Max(hn::Set(d, m.sigma_min_voxels), hn::Mul(hn::Set(d, m.lambda_sigma), range)))),
+        depth(hn::Min(hn::Max(hn::Mul(hn::Set(d, m.lambda_r), range), hn::Set(d, m.behind_min_voxels)),
+                      hn::Set(d, m.behind_max_voxels))),
+        slope(hn::Div(hn::Set(d, m.miss_units), band)),
+        miss(hn::Set(d, m.miss_units)) {}
+
+  /// Rounded to units, never 0.
+  HWY_INLINE VI Units(DF d, VF distance) const {
+    const DI di;
+    const VF half = hn::Set(d, 0.5f);
+    const VF ramp = hn::Mul(slope, hn::Min(distance, hn::Mul(half, depth)));
+    const VF value = hn::IfThenElse(hn::Le(distance, hn::Neg(band)), hn::Neg(miss), ramp);
+    const VI rounded = hn::ConvertTo(di, hn::Floor(hn::Add(value, half)));
+    const VI sign =
+        hn::IfThenElse(hn::RebindMask(di, hn::Lt(distance, hn::Zero(d))), hn::Set(di, -1), hn::Set(di, 1));
+    const VI whole = hn::IfThenElse(hn::Eq(rounded, hn::Zero(di)), sign, rounded);
+    return hn::Min(hn::Max(whole, hn::Set(di, -127)), hn::Set(di, 127));
+  }
+};
+
+/// Signed distance of the voxels' middles behind the (shifted) planes of the hits.
+HWY_INLINE VF DistanceTo(DF d, const Hits& h, const Vector3& voxel) {
+  const VF half = hn::Set(d, 0.5f);
+  const VF x = hn::Mul(h.inward.x, hn::Sub(hn::Add(voxel.x, half), h.p.x));
+  const VF y = hn::Mul(h.inward.y, hn::Sub(hn::Add(voxel.y, half), h.p.y));
+  const VF z = hn::Mul(h.inward.z, hn::Sub(hn::Add(voxel.z, half), h.p.z));
+  return hn::Add(hn::Add(hn::Add(x, y), z), h.support);
+}
+
+/// Within the box of what is kept, made smaller by `margin` voxels on every side.
+HWY_INLINE MF Within(DF d, const Vector3& p, const TrailRules& rules, float margin) {
+  const auto within = [&](VF v, int32_t low, int32_t high) {
+    return hn::And(hn::Ge(v, hn::Set(d, static_cast<float>(low) + margin)),
+                   hn::Lt(v, hn::Set(d, static_cast<float>(high) - margin)));
+  };
+  const NodeKey &low = rules.keep_min, &high = rules.keep_max;
+  return hn::And(within(p.x, low.x, high.x), hn::And(within(p.y, low.y, high.y), within(p.z, low.z, high.z)));
+}
+constexpr float kReach = HitTrails::kBehind + 1;  ///< voxels that a trail stays within
+
+/// Where voxels of the window are held.
+struct Home {
+  VI block, voxel, place;  ///< as in HitTrails
+  MF none;                 ///< in slot 0
+};
+/// @param asked  lanes that matter; the others' voxels may lie outside the window.
+HWY_INLINE Home HomeOf(DF d, const Vector3& voxel, MF asked, const ScanFrame& frame,
+                       const TrailRules& rules) {
+  const DI di;
+  const VI x = hn::ConvertTo(di, voxel.x), y = hn::ConvertTo(di, voxel.y), z = hn::ConvertTo(di, voxel.z);
+  VI chunk = hn::Add(
+      hn::ShiftRight<6>(x),
+      hn::Mul(hn::Set(di, frame.chunks[0]),
+              hn::Add(hn::ShiftRight<6>(y), hn::Mul(hn::Set(di, frame.chunks[1]), hn::ShiftRight<6>(z)))));
+  chunk = hn::IfThenElseZero(hn::RebindMask(di, asked), chunk);
+  const VI seven = hn::Set(di, 7), fifty_six = hn::Set(di, 56);
+  const VI block = hn::Or(hn::And(hn::ShiftRight<3>(x), seven),
+                          hn::Or(hn::And(y, fifty_six), hn::ShiftLeft<3>(hn::And(z, fifty_six))));
+  Home home;
+  home.voxel = hn::Or(hn::And(x, seven),
+                      hn::Or(hn::ShiftLeft<3>(hn::And(y, seven)), hn::ShiftLeft<6>(hn::And(z, seven))));
+  home.block = hn::Or(hn::ShiftLeft<9>(chunk), block);
+  const VI row = hn::GatherIndex(di, rules.row_of_chunk, chunk);
+  const VI slot = hn::GatherIndex(di, rules.slots, hn::Or(hn::ShiftLeft<9>(row), block));
+  home.place = hn::Or(hn::ShiftLeft<9>(slot), home.voxel);
+  home.none = hn::RebindMask(d, hn::Eq(slot, hn::Zero(di)));
+  return home;
+}
+
+/// What is held at places, of lanes with a place.
+HWY_INLINE VI HeldAt(const int8_t* held, VI place) {
+  const DI di;
+  // Four bytes hold it; up to the top and, with its sign, down again.
+  const VI four = hn::GatherIndex(di, reinterpret_cast<const int32_t*>(held), hn::ShiftRight<2>(place));
+  const VI above = hn::Sub(hn::Set(di, 24), hn::ShiftLeft<3>(hn::And(place, hn::Set(di, 3))));
+  return hn::ShiftRight<24>(hn::Shl(four, above));
+}
+
+/// What hits say of the voxels that hold their ends.
+struct End {
+  Vector3 voxel;
+  VI delta;
+  VI said;    ///< as in HitTrails
+  MF inside;  ///< no voxel of the trail can be left out
+};
+HWY_INLINE End EndOf(DF d, const Hits& h, const Surface& surface, const TrailRules& rules) {
+  const DI di;
+  End end;
+  end.voxel = {hn::Floor(h.p.x), hn::Floor(h.p.y), hn::Floor(h.p.z)};
+  end.delta = hn::Max(hn::Set(di, rules.model.hit_units),
+                      surface.Units(d, hn::Min(DistanceTo(d, h, end.voxel), surface.depth)));
+  end.inside = Within(d, h.p, rules, kReach);
+  const MF crowded = hn::Lt(h.range, hn::Set(d, rules.crowded_range_voxels));
+  const VI enough =
+      hn::IfThenElse(hn::RebindMask(di, crowded), end.delta, hn::Add(end.delta, hn::Set(di, 1)));
+  end.said = hn::IfThenElse(hn::RebindMask(di, end.inside), enough, hn::Set(di, 128));
+  return end;
+}
+
+/// @param w  ends from the sensor.
+HWY_INLINE void Complete(DF d, const Vector3& w, const ScanFrame& frame, Hits* h) {
+  h->p = {hn::Add(w.x, hn::Set(d, frame.sensor[0])), hn::Add(w.y, hn::Set(d, frame.sensor[1])),
+          hn::Add(w.z, hn::Set(d, frame.sensor[2]))};
+  h->hit = hn::Gt(h->range, hn::Zero(d));
+  const VF inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(h->hit, h->range, hn::Set(d, 1.0f)));
+  h->along = {hn::Mul(w.x, inverse), hn::Mul(w.y, inverse), hn::Mul(w.z, inverse)};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace atlas::mapping
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,45 @@
+// The hits of a scan on their way into the map, less those that would say again what others said.
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/integrator/fill_kernels.h"
+#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/surface_model.h"
+
+namespace atlas::mapping {
+
+constexpr size_t kHitGroup = 16;
+
+/// Hits that wait until there is a group of them: from the sensor, in voxels along the map's axes. A range of
+/// 0 or less: no hit.
+struct HitQueue {
+  static constexpr size_t kRoom = 2 * kHitGroup;
+  alignas(64) float end[3][kRoom];
+  alignas(64) float inward[3][kRoom];  ///< unit normal into the surface
+  alignas(64) float support[kRoom];
+  alignas(64) float range[kRoom];
+  size_t count = 0;
+};
+
+struct TrailRules {
+  SurfaceModel model;
+  NodeKey keep_min, keep_max;  ///< voxels outside [min, max) of the window are left out
+  float dense_range_voxels;    ///< farther, hardly a voxel holds two hits
+  float crowded_range_voxels;  ///< closer, hits are many a voxel, and the first that says most is enough
+  /// Where blocks are held: of each chunk of the window its row in `slots`, of each block there its slot;
+  /// row 0 and slot 0 are none.
+  const int32_t *row_of_chunk, *slots;
+};
+
+/// Where the cells' rays end, in voxels along the map's axes from the sensor, and what bounds that and the
+/// sensor. @param rotation  row-major, voxels a metre.
+void EndsOfCells(const ScanImage& image, const float rotation[9], float* const end[3], float low[3],
+                 float high[3]);
+
+/// Queues the hits of the 16 cells of `image` from `first` that say something new of the voxels that they end
+/// in. `end` are the ends of the cells' rays, as in HitQueue; `held` as for NewHits (hit_trails.h).
+void QueueCells(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
+                const TrailRules& rules, const int8_t* held, HitQueue* queue);
+
+}  // namespace atlas::mapping
