@@ -28,6 +28,8 @@ IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3
   // Sweeps from near by: what is wrongly held is cleared sooner than from afar.
   integrator.edge_nats = 0.1;
   integrator.pierce_voxels = 0.5;
+  // Behind a surface that ends, evidence would hide what the next view is to find.
+  integrator.behind_max_m = integrator.behind_min_voxels * params.resolution_m;
   return integrator;
 }
 

@@ -33,6 +33,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     ImageOptions options = OptionsFor(resolution);
     PosesOfScan(spin, params_.motion_aware, &poses_);
     const core::Pose T_map_lidar = T_map_odom * poses_.T_odom_mid;
+    KeepColumns(params_.region_map, T_map_lidar, &image_);
     RemapScan(spin.scan, poses_, options, &image_);
     // Cells no wider than the beams are apart where they end: the rest of the tables is not needed.
     const double apart_m = static_cast<double>(image_.reach_m) * grid_.min_pitch_rad;

@@ -14,22 +14,26 @@ namespace HWY_NAMESPACE {
 void CellEnds(const ScanImage& image, const float* rotation, float* const* end, float* low, float* high) {
   const DF d;
   const size_t lanes = hn::Lanes(d), cells = image.range.size();
+  const auto columns = static_cast<size_t>(image.columns);
   const VF zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   for (size_t a = 0; a < 3; ++a) {
     const VF mx = hn::Set(d, rotation[3 * a]), my = hn::Set(d, rotation[3 * a + 1]),
              mz = hn::Set(d, rotation[3 * a + 2]);
     VF least = zero, most = zero;
-    for (size_t i = 0; i < cells; i += lanes) {
-      const size_t at = std::min(i, cells - lanes);
-      const VF r = hn::LoadU(d, image.range.data() + at);
-      const VF scale = hn::IfThenElse(hn::Lt(r, zero), hn::Neg(r), hn::IfThenElseZero(hn::Gt(r, zero), one));
-      const VF x = hn::Mul(hn::LoadU(d, image.x.data() + at), scale),
-               y = hn::Mul(hn::LoadU(d, image.y.data() + at), scale),
-               z = hn::Mul(hn::LoadU(d, image.z.data() + at), scale);
-      const VF w = hn::Add(hn::Add(hn::Mul(mx, x), hn::Mul(my, y)), hn::Mul(mz, z));
-      hn::StoreU(w, d, end[a] + at);
-      least = hn::Min(least, w);
-      most = hn::Max(most, w);
+    for (size_t row = 0; row < cells; row += columns) {
+      ForColumns(image, lanes, [&](size_t column) {
+        const size_t at = row + column;
+        const VF r = hn::LoadU(d, image.range.data() + at);
+        const VF scale =
+            hn::IfThenElse(hn::Lt(r, zero), hn::Neg(r), hn::IfThenElseZero(hn::Gt(r, zero), one));
+        const VF x = hn::Mul(hn::LoadU(d, image.x.data() + at), scale),
+                 y = hn::Mul(hn::LoadU(d, image.y.data() + at), scale),
+                 z = hn::Mul(hn::LoadU(d, image.z.data() + at), scale);
+        const VF w = hn::Add(hn::Add(hn::Mul(mx, x), hn::Mul(my, y)), hn::Mul(mz, z));
+        hn::StoreU(w, d, end[a] + at);
+        least = hn::Min(least, w);
+        most = hn::Max(most, w);
+      });
     }
     low[a] = hn::GetLane(hn::MinOfLanes(d, least));
     high[a] = hn::GetLane(hn::MaxOfLanes(d, most));

@@ -9,7 +9,7 @@
 
 #include <hwy/highway.h>
 
-#include "mapping/integrator/beam_grid.h"
+#include "mapping/integrator/scan_image.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
@@ -32,6 +32,15 @@ HWY_INLINE uint32_t BitsOf(DF d, MF mask) {
   uint64_t bits = 0;  // little-endian, as all targets here are
   hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
   return static_cast<uint32_t>(bits) & LaneBits(d);
+}
+
+/// Calls visit(first) for vectors of `lanes` columns that cover the filled ones; the last of a run may
+/// overlap the one before.
+template <typename Visit>
+HWY_INLINE void ForColumns(const ScanImage& image, size_t lanes, const Visit& visit) {
+  for (const ScanImage::Run& run : image.runs) {
+    for (size_t c = run.first; c < run.last; c += lanes) visit(std::min(c, run.last - lanes));
+  }
 }
 
 /// Largest integer not above x. @pre x >= 0.

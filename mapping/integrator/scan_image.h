@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "core/geometry.h"
@@ -30,6 +31,18 @@ struct ImageOptions {
 struct ScanImage {
   const BeamGrid* grid = nullptr;
   int rows = 0, columns = 0;
+  /// The columns that the stages fill, [first, last): all, or those that see what is kept (KeepColumns). What
+  /// the others hold is left over from other scans.
+  struct Run {
+    size_t first, last;
+  };
+  std::vector<Run> runs;
+  bool Filled(size_t column) const {
+    for (const Run& run : runs) {
+      if (column >= run.first && column < run.last) return true;
+    }
+    return false;
+  }
   float pierce_voxels = 0.5f;  ///< a beam that passes this near to a cell's middle pierces it
 
   // --- Rays, rows of the scan by ascending azimuth. ray_range > 0: hit at ray_x.. (a point); < 0: nothing
@@ -92,6 +105,10 @@ struct ColumnPoses {
   std::vector<int32_t> pose_of_ray;  ///< where the rays of a column do not share a time; else empty
 };
 void PosesOfScan(const core::SpinEvent& spin, bool motion_aware, ColumnPoses* poses);
+
+/// Narrows the columns that are filled to those in which parts of the box may lie, and as many beside them as
+/// windows reach; nullopt: all.
+void KeepColumns(const std::optional<core::Box3>& box_map, const core::Pose& T_map_lidar, ScanImage* image);
 
 void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
                ScanImage* image);

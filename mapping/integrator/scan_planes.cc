@@ -196,8 +196,7 @@ void PlanesOfRows(const float* rotation, const ImageOptions& options, size_t beg
   const DF d;
   const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image->columns);
   for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
-    for (size_t c = 0; c < columns; c += lanes) {
-      const size_t column = std::min(c, columns - lanes);
+    ForColumns(*image, lanes, [&](size_t column) {
       const size_t i = static_cast<size_t>(row) * columns + column;
       const VF signed_range = hn::LoadU(d, image->range.data() + i);
       const MF hit = hn::Gt(signed_range, hn::Zero(d));
@@ -209,7 +208,7 @@ void PlanesOfRows(const float* rotation, const ImageOptions& options, size_t beg
         StorePlane(d, rotation, 0.5f * options.resolution_m, slopes, range, i, image);
       }
       StoreMargins(d, options, free_range, hit, row, column, i, image);
-    }
+    });
   }
 }
 

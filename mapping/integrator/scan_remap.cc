@@ -123,6 +123,10 @@ HWY_INLINE void BinRay(size_t i, ScanImage* image) {
   auto column = static_cast<size_t>(u + 0.5f);
   const float du = u - static_cast<float>(column), dv = v - static_cast<float>(row);
   if (column >= static_cast<size_t>(image->columns)) column -= static_cast<size_t>(image->columns);
+  if (!image->Filled(column)) {
+    image->taken[i] = 1;
+    return;
+  }
   const float per_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[row];
   const size_t bin = row * bins.pitch + column + 1;
   const auto apart = [&](float u_off, float v_off) {
@@ -151,6 +155,11 @@ HWY_INLINE bool BinAdjacent(DF d, size_t i, ScanImage* image) {
   const MF in_row = hn::And(hn::Ge(v_up, zero), hn::Eq(hn::Floor(v_up), rows));
   if (!hn::AllTrue(d, hn::And(in_row, hn::And(hn::Ge(u, zero), hn::Eq(hn::Floor(u_up), columns)))))
     return false;
+  if (!image->Filled(static_cast<size_t>(column)) && !image->Filled(static_cast<size_t>(last))) {
+    const hn::Rebind<uint8_t, DI> d8;
+    hn::StoreU(hn::Set(d8, 1), d8, image->taken.data() + i);
+    return true;
+  }
   const auto at = static_cast<size_t>(row);
   const VF du = hn::Sub(u, columns), dv = hn::Sub(v, rows);
   const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
@@ -240,36 +249,37 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
   return hn::Abs(range);
 }
 
-/// Marks the rays that cells chose, a byte each.
-void MarkTaken(const std::vector<int32_t>& cell_ray, uint8_t* taken) {
+/// Marks the rays that cells chose.
+void MarkTaken(ScanImage* image) {
   const DI di;
   const hn::Rebind<uint8_t, DI> d8;
-  const size_t lanes = hn::Lanes(di);
+  const size_t lanes = hn::Lanes(di), columns = static_cast<size_t>(image->columns);
   const auto one = hn::Set(d8, 1);
-  for (size_t i = 0; i < cell_ray.size(); i += lanes) {
-    const size_t at = std::min(i, cell_ray.size() - lanes);
-    const VI rays = hn::LoadU(di, cell_ray.data() + at);
+  const auto mark = [&](size_t at) {
+    const VI rays = hn::LoadU(di, image->cell_ray.data() + at);
     const int first = hn::GetLane(rays);
     if (first >= 0 && hn::AllTrue(di, hn::Eq(rays, hn::Iota(di, first)))) {
-      hn::StoreU(one, d8, taken + first);
-      continue;
+      hn::StoreU(one, d8, image->taken.data() + first);
+      return;
     }
     for (size_t k = at; k < at + lanes; ++k) {
-      if (cell_ray[k] >= 0) taken[cell_ray[k]] = 1;
+      if (image->cell_ray[k] >= 0) image->taken[static_cast<size_t>(image->cell_ray[k])] = 1;
     }
+  };
+  for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
+    ForColumns(*image, lanes, [&](size_t column) { mark(row * columns + column); });
   }
 }
 
 /// Returns how far their matches reach, metres.
 float MatchRows(const ImageOptions& options, size_t begin, size_t end, ScanImage* image) {
   const DF d;
-  const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image->columns);
+  const size_t lanes = hn::Lanes(d);
   VF reach = hn::Zero(d);
   for (size_t row = begin; row < end; ++row) {
-    for (size_t column = 0; column < columns; column += lanes) {
-      const size_t at = std::min(column, columns - lanes);
-      reach = hn::Max(reach, MatchCells(d, options, static_cast<int>(row), at, image));
-    }
+    ForColumns(*image, lanes, [&](size_t column) {
+      reach = hn::Max(reach, MatchCells(d, options, static_cast<int>(row), column, image));
+    });
   }
   return hn::GetLane(hn::MaxOfLanes(d, reach));
 }
@@ -293,6 +303,7 @@ constexpr float kEmptyBin = 1e9f;
 void BinRays(ScanImage* image) {
   ScanImage::Bins& bins = image->bins;
   const auto columns = static_cast<size_t>(image->columns);
+  image->taken.assign(image->ray_range.size(), 0);
   // Empty bins are told by `du` alone.
   std::fill(bins.du.begin(), bins.du.end(), kEmptyBin);
   HWY_DYNAMIC_DISPATCH(BinScan)(image);
@@ -311,9 +322,8 @@ void BinRays(ScanImage* image) {
 /// Hits left over once cells have chosen.
 void FindSpares(ScanImage* image) {
   image->spare.clear();
-  std::vector<uint8_t>& taken = image->taken;
-  taken.assign(image->ray_range.size(), 0);
-  HWY_DYNAMIC_DISPATCH(MarkTaken)(image->cell_ray, taken.data());
+  HWY_DYNAMIC_DISPATCH(MarkTaken)(image);
+  const std::vector<uint8_t>& taken = image->taken;
   const auto add = [&](size_t i) {
     if (taken[i] != 0 || image->ray_range[i] <= 0.0f) return;
     const int row = std::clamp(static_cast<int>(image->ray_v[i] + 0.5f), 0, image->rows - 1);
@@ -336,6 +346,7 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
   image->grid = &grid;
   image->rows = grid.rows;
   image->columns = grid.columns;
+  image->runs.assign(1, {0, static_cast<size_t>(grid.columns)});
   image->pitch = grid.columns + ScanImage::kPad;
   const size_t cells = static_cast<size_t>(grid.rows) * static_cast<size_t>(grid.columns);
   for (auto* v : {&image->du, &image->dv, &image->range, &image->x, &image->y, &image->z, &image->nx,

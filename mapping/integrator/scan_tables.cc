@@ -81,7 +81,10 @@ void SurroundTable(const ScanImage& image, std::vector<float>* table) {
   for (size_t row = 0; row <= rows; ++row) {
     float* here = table->data() + row * pitch;
     const float* next = row < rows ? here + pitch : here;
-    HWY_DYNAMIC_DISPATCH(LeastFloat)(here, next, 1, columns, here);
+    for (const ScanImage::Run& run : image.runs) {
+      float* from = here + run.first;
+      HWY_DYNAMIC_DISPATCH(LeastFloat)(from, next + run.first, 1, run.last - run.first, from);
+    }
     RepeatColumns(here, columns, pitch);
   }
 }
@@ -104,7 +107,10 @@ void WindowLevel(const std::vector<float>& finer, size_t k, ScanImage* image) {
   for (int row = first; row < image->rows; ++row) {
     float* out = table.data() + static_cast<size_t>(row - first) * pitch;
     const int other = tall > tall_finer ? row + tall_finer : row;
-    HWY_DYNAMIC_DISPATCH(LeastFloat)(finer_row(row), finer_row(other), step, columns, out);
+    for (const ScanImage::Run& run : image->runs) {
+      HWY_DYNAMIC_DISPATCH(LeastFloat)
+      (finer_row(row) + run.first, finer_row(other) + run.first, step, run.last - run.first, out + run.first);
+    }
     RepeatColumns(out, columns, pitch);
   }
 }
@@ -123,16 +129,20 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
     const float* own = image->own[0].data() + row * static_cast<size_t>(image->pitch);
     const float* bound = own;
     if (options.reach_behind_m > 0.0f) {
-      for (size_t i = 0; i < columns; ++i) {
-        const size_t cell = row * columns + i;
-        const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
-        image->row_bound[i] =
-            image->range[cell] > 0.0f ? std::max(own[i], image->range[cell] + reach) : own[i];
-      }
+      for (const ScanImage::Run& run : image->runs)
+        for (size_t i = run.first; i < run.last; ++i) {
+          const size_t cell = row * columns + i;
+          const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
+          image->row_bound[i] =
+              image->range[cell] > 0.0f ? std::max(own[i], image->range[cell] + reach) : own[i];
+        }
       bound = image->row_bound.data();
     }
     uint32_t* out = image->box.data() + row * pitch;
-    HWY_DYNAMIC_DISPATCH(PackBounds)(own, bound, 1.0f / image->box_unit_m, columns, out);
+    for (const ScanImage::Run& run : image->runs) {
+      HWY_DYNAMIC_DISPATCH(PackBounds)
+      (own + run.first, bound + run.first, 1.0f / image->box_unit_m, run.last - run.first, out + run.first);
+    }
     RepeatColumns(out, columns, pitch);
   }
   const auto widen = [&](size_t from, size_t to, size_t across, size_t down) {
@@ -140,9 +150,11 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
       const uint32_t* a = image->box.data() + from * stride + row * pitch;
       const uint32_t* b = image->box.data() + from * stride + std::min(row + down, rows - 1) * pitch;
       uint32_t* out = image->box.data() + to * stride + row * pitch;
-      HWY_DYNAMIC_DISPATCH(LeastPair)
-      (reinterpret_cast<const uint16_t*>(a), reinterpret_cast<const uint16_t*>(b), 2 * across, 2 * columns,
-       reinterpret_cast<uint16_t*>(out));
+      for (const ScanImage::Run& run : image->runs) {
+        HWY_DYNAMIC_DISPATCH(LeastPair)
+        (reinterpret_cast<const uint16_t*>(a + run.first), reinterpret_cast<const uint16_t*>(b + run.first),
+         2 * across, 2 * (run.last - run.first), reinterpret_cast<uint16_t*>(out + run.first));
+      }
       RepeatColumns(out, columns, pitch);
     }
   };
