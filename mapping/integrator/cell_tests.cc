@@ -83,12 +83,12 @@ HWY_INLINE Verdict TestAround(DF d, const CellImages& images, const GridPoint& p
   const VF wrapped = hn::IfThenElse(hn::Lt(column, columns), column, hn::Sub(column, columns));
   const VI row_index = hn::ConvertTo(di, row);
   const VI cell = hn::ConvertTo(di, hn::Add(hn::Mul(row, columns), wrapped));
-  const VF du = hn::GatherIndex(d, image.du.data(), cell), dv = hn::GatherIndex(d, image.dv.data(), cell);
+  const Offsets ray = UnpackOffsets(d, hn::GatherIndex(di, image.offset.data(), cell));
   const VF row_pitch = hn::GatherIndex(d, image.grid->row_pitch_rad.data(), row_index);
   const VF cosine = hn::GatherIndex(d, image.grid->cos_elevation.data(), row_index);
   const VF pitch = hn::Mul(hn::Set(d, static_cast<float>(image.grid->column_pitch_rad)), cosine);
-  const VF eu = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.u, column), du), pitch), p.distance);
-  const VF ev = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.v, row), dv), row_pitch), p.distance);
+  const VF eu = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.u, column), ray.u), pitch), p.distance);
+  const VF ev = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.v, row), ray.v), row_pitch), p.distance);
   const MF through = hn::Lt(hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev)), hn::Set(d, images.pierce2));
   return {clear, BitsOf(d, through) & in & ~clear};
 }

@@ -34,6 +34,23 @@ HWY_INLINE uint32_t BitsOf(DF d, MF mask) {
   return static_cast<uint32_t>(bits) & LaneBits(d);
 }
 
+/// ScanImage::offset and back.
+struct Offsets {
+  VF u, v;
+};
+HWY_INLINE VI PackOffsets(DF d, VF u, VF v) {
+  const DI di;
+  const VF scale = hn::Set(d, ScanImage::kPerCell), half = hn::Set(d, 0.5f);
+  const VI low = hn::ConvertTo(di, hn::Floor(hn::Add(hn::Mul(u, scale), half)));
+  const VI high = hn::ConvertTo(di, hn::Floor(hn::Add(hn::Mul(v, scale), half)));
+  return hn::Or(hn::And(low, hn::Set(di, 0xffff)), hn::ShiftLeft<16>(high));
+}
+HWY_INLINE Offsets UnpackOffsets(DF d, VI packed) {
+  const VF scale = hn::Set(d, 1.0f / ScanImage::kPerCell);
+  return {hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(packed))), scale),
+          hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(packed)), scale)};
+}
+
 /// Calls visit(first) for vectors of `lanes` columns that cover the filled ones; the last of a run may
 /// overlap the one before.
 template <typename Visit>

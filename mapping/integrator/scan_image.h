@@ -51,7 +51,8 @@ struct ScanImage {
 
   // --- Cells, row * columns + column. The matched ray and its true place against the cell's (columns, rows).
   std::vector<int32_t> cell_ray;  ///< -1: unmatched
-  std::vector<float> du, dv;
+  std::vector<int32_t> offset;    ///< columns in the low half, rows in the high, in 1 / kPerCell
+  static constexpr float kPerCell = 32768.0f;
   std::vector<float> range;    ///< as ray_range
   std::vector<float> x, y, z;  ///< as ray_x
   float reach_m = 0.0f;        ///< of the farthest cell

@@ -83,7 +83,9 @@ HWY_INLINE VI StepsFor(DF d, VF q, float pitch_rad, int widest) {
   const DI di;
   const VF steps = hn::Mul(q, hn::Set(d, kBaselineM / pitch_rad));
   const VF most = hn::Set(d, static_cast<float>(widest));
-  return FloorPositive(di, hn::Min(hn::Max(steps, hn::Set(d, 1.0f)), most));
+  const VI whole = hn::BitCast(di, hn::Min(hn::Max(steps, hn::Set(d, 1.0f)), most));
+  // Down to a power of two, which neighbours mostly share.
+  return FloorPositive(di, hn::BitCast(d, hn::And(whole, hn::Set(di, 0x7f800000))));
 }
 
 struct Slopes {
@@ -162,9 +164,9 @@ HWY_INLINE VF RangeOfCell(DF d, const ScanImage& image, const Slopes& slope, VF 
   const auto at = static_cast<size_t>(row);
   const float pitch_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at];
   // Elevations fall as rows grow. 1 / range is linear in the angle.
-  const VF along_u = hn::Mul(slope.azimuth, hn::Mul(hn::LoadU(d, image.du.data() + i), hn::Set(d, pitch_u)));
-  const VF along_v = hn::Mul(slope.elevation,
-                             hn::Mul(hn::LoadU(d, image.dv.data() + i), hn::Set(d, grid.row_pitch_rad[at])));
+  const Offsets ray = UnpackOffsets(d, hn::LoadU(DI(), image.offset.data() + i));
+  const VF along_u = hn::Mul(slope.azimuth, hn::Mul(ray.u, hn::Set(d, pitch_u)));
+  const VF along_v = hn::Mul(slope.elevation, hn::Mul(ray.v, hn::Set(d, grid.row_pitch_rad[at])));
   const VF grows = hn::Sub(along_u, along_v);
   const VF factor = hn::Add(hn::Set(d, 1.0f), hn::Min(hn::Max(grows, hn::Zero(d)), hn::Set(d, 1.0f)));
   return hn::Div(range, factor);

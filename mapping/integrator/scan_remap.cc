@@ -230,8 +230,7 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
     }
   }
   const size_t i = at * static_cast<size_t>(image->columns) + column;
-  hn::StoreU(best_du, d, image->du.data() + i);
-  hn::StoreU(best_dv, d, image->dv.data() + i);
+  hn::StoreU(PackOffsets(d, best_du, best_dv), di, image->offset.data() + i);
   hn::StoreU(best_ray, di, image->cell_ray.data() + i);
   // Where the rays of cells side by side lie side by side, as nearly everywhere, their values do.
   const int first = hn::GetLane(best_ray);
@@ -349,11 +348,12 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
   image->runs.assign(1, {0, static_cast<size_t>(grid.columns)});
   image->pitch = grid.columns + ScanImage::kPad;
   const size_t cells = static_cast<size_t>(grid.rows) * static_cast<size_t>(grid.columns);
-  for (auto* v : {&image->du, &image->dv, &image->range, &image->x, &image->y, &image->z, &image->nx,
-                  &image->ny, &image->nz, &image->inverse_cos, &image->support}) {
+  for (auto* v : {&image->range, &image->x, &image->y, &image->z, &image->nx, &image->ny, &image->nz,
+                  &image->inverse_cos, &image->support}) {
     v->resize(cells);
   }
   image->cell_ray.resize(cells);
+  image->offset.resize(cells);
   ScanImage::Bins& bins = image->bins;
   bins.pitch = static_cast<size_t>(grid.columns) + 2;
   const size_t count = bins.pitch * static_cast<size_t>(grid.rows);

@@ -161,9 +161,9 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
     const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
     const VI cell =
         hn::ConvertTo(di, hn::Add(hn::Mul(row, hn::Set(d, static_cast<float>(images.columns))), column));
-    const VF du = hn::GatherIndex(d, image.du.data(), cell), dv = hn::GatherIndex(d, image.dv.data(), cell);
-    const VF eu = hn::Mul(hn::Sub(hn::Sub(u, column), du), hn::Set(d, s.metres_per_column));
-    const VF ev = hn::Mul(hn::Sub(hn::Sub(v, row), dv), hn::Set(d, s.metres_per_row));
+    const Offsets ray = UnpackOffsets(d, hn::GatherIndex(di, image.offset.data(), cell));
+    const VF eu = hn::Mul(hn::Sub(hn::Sub(u, column), ray.u), hn::Set(d, s.metres_per_column));
+    const VF ev = hn::Mul(hn::Sub(hn::Sub(v, row), ray.v), hn::Set(d, s.metres_per_row));
     const MF through = hn::Lt(hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev)), hn::Set(d, images.pierce2));
     out.pierced |= static_cast<uint64_t>(BitsOf(d, through) & bits & ~clear) << slot;
   }

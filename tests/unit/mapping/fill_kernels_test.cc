@@ -42,6 +42,10 @@ class FillKernels : public testing::Test {
     hits_.Place(image_, at, kResolution, &frame_);
   }
 
+  /// Cells from a cell's middle to its ray: columns (shift 0) or rows (16).
+  double OffsetOf(size_t cell, int shift) const {
+    return static_cast<int16_t>(static_cast<uint32_t>(image_.offset[cell]) >> shift) / ScanImage::kPerCell;
+  }
   struct Projected {
     double u, v, distance;
     bool inside;  ///< within the rows
@@ -93,9 +97,9 @@ class FillKernels : public testing::Test {
   /// Metres from a point to the ray of the cell that it falls into.
   double FromOwnRay(const Projected& p) const {
     const size_t i = Cell(p.row, p.column);
-    const double du = std::remainder(p.u - p.column - image_.du[i], grid_.columns);
+    const double du = std::remainder(p.u - p.column - OffsetOf(i, 0), grid_.columns);
     const double eu = du * grid_.column_pitch_rad * grid_.cos_elevation[static_cast<size_t>(p.row)];
-    const double ev = (p.v - p.row - image_.dv[i]) * grid_.row_pitch_rad[static_cast<size_t>(p.row)];
+    const double ev = (p.v - p.row - OffsetOf(i, 16)) * grid_.row_pitch_rad[static_cast<size_t>(p.row)];
     return p.distance * std::hypot(eu, ev);
   }
   /// Beams whose middles lie about as near as the one that it falls to: either may be asked.
