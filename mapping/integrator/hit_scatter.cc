@@ -8,9 +8,10 @@ namespace atlas::mapping {
 namespace {
 
 // Voxels between beams:
-constexpr double kDense = 0.5;     ///< farther, and hardly a voxel holds two hits
-constexpr double kCrowded = 0.35;  ///< closer, and hits are many a voxel
-constexpr int kWindowMargin = 8;   ///< voxels beyond the outermost ray end
+constexpr double kDense = 0.5;        ///< farther, and hardly a voxel holds two hits
+constexpr double kCrowded = 0.35;     ///< closer, and hits are many a voxel
+constexpr size_t kClearedAtOnce = 8;  ///< blocks
+constexpr int kWindowMargin = 8;      ///< voxels beyond the outermost ray end
 
 /// With the plane of the hit in its cell where that is near, else seen head on.
 void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
@@ -80,14 +81,19 @@ size_t HitScatter::SlotOf(int32_t block) {
     slot = static_cast<int32_t>(blocks_used_++);
     const auto i = static_cast<int>(of_chunk);
     touched_[at].Set(BlockIndex(i & 7, i >> 3 & 7, i >> 6));
-    std::memset(blocks_[static_cast<size_t>(slot)].delta, 0, kBlockVoxels);
+    if (blocks_used_ > blocks_clear_) {
+      std::memset(blocks_[blocks_clear_].delta, 0, kClearedAtOnce * sizeof(HitBlock));
+      blocks_clear_ += kClearedAtOnce;
+    }
   }
   return static_cast<size_t>(slot);
 }
 
 void HitScatter::Reserve(TrailRules* rules) {
   constexpr size_t kMost = kHitGroup * HitTrails::kVoxels;
-  if (blocks_.size() < blocks_used_ + kMost) blocks_.resize(2 * blocks_.size() + kMost);
+  if (blocks_.size() < blocks_used_ + kMost + kClearedAtOnce) {
+    blocks_.resize(2 * blocks_.size() + kMost + kClearedAtOnce);
+  }
   if (touched_.size() < rows_used_ + kMost) {
     touched_.resize(2 * touched_.size() + kMost);
     slots_.resize(touched_.size() * kChunkBlocks);
@@ -101,6 +107,7 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
                            static_cast<size_t>(frame.chunks[2]),
                        0);
   rows_used_ = blocks_used_ = 1;
+  blocks_clear_ = 1;
   if (blocks_.empty()) blocks_.resize(1);
   std::memset(blocks_.front().delta, 0, kBlockVoxels);
   TrailRules rules{model,

@@ -54,6 +54,7 @@ class HitScatter {
   std::vector<int32_t> slots_;  ///< of a chunk's blocks, x fastest
   std::vector<HitBlock> blocks_;
   size_t blocks_used_ = 0, rows_used_ = 0;
+  size_t blocks_clear_ = 0;  ///< up to here blocks are all 0 when they are first used
   HitTrails trails_;
   VoxelUpdates updates_;
 };
