@@ -37,7 +37,11 @@ struct Mission {
         terrain(config.planner.terrain, robot),
         feed(
             {.cloud_spacing_m = config.mapper.downsample_m}, &terrain, mapper.get(),
-            [this](const core::PointCloud& cloud) { metrics.TakeCloud(cloud); }, &lanes),
+            [this](const core::PointCloud& cloud) {
+              metrics.TakeCloud(cloud);
+              returns_map.insert(returns_map.end(), cloud.points.begin(), cloud.points.end());
+            },
+            &lanes),
         planner(planner::MakeNbvPlanner(config.planner, robot, SensorModel(), scene.object_box,
                                         options.threads, rng.Split("planner"))),
         surface(scene.object_box, config.mapper.resolution_m),
@@ -78,7 +82,8 @@ struct Mission {
   SensorFeed feed;
   std::unique_ptr<planner::NbvPlanner> planner;
   planner::SurfaceTally surface;
-  core::TaskLanes lanes;  ///< ends before what its tasks work on
+  std::vector<core::Vec3f> returns_map;  ///< since the last sweep was tallied; of tasks on kMapLane
+  core::TaskLanes lanes;                 ///< ends before what its tasks work on
 };
 
 struct Ending {
@@ -114,15 +119,15 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
   const sim::MotionStatus stood = m->simulator->Stand(m->config.mission.integration_latency_s);
 
   const SensorFeed::Mapped mapped = m->feed.DrainMap();
-  const std::vector<core::Vec3f> surface = m->mapper->view().OccupiedCenters();
+  m->film.ObserveMap(m->mapper->view().OccupiedCenters());
   const Stopwatch updating;
   m->feed.AdoptTerrain();
   m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
-  const size_t new_surface = m->surface.CountNew(surface, m->terrain);
+  const size_t new_surface = m->surface.CountNew(m->returns_map, m->terrain);
+  m->returns_map.clear();
   m->planner->OnSweep(T_map_base, new_surface);
   m->metrics.ObserveMap(mapped.cloud_points, 1e3 * mapped.integration_s, new_surface);
   m->lanes.Post(kMapLane, [m] { m->metrics.ScoreClouds(*m->mapper); });
-  m->film.ObserveMap(surface);
   return EndingOf(stood);
 }
 

@@ -103,7 +103,7 @@ class NbvPlanner {
  public:
   virtual ~NbvPlanner() = default;
   /// Tells the planner that a sweep was taken at this base pose, and the share of ground-truth-free progress:
-  /// `new_surface` = voxels of the object occupied for the first time (SurfaceTally), so that views that
+  /// `new_surface` = voxels of the object that returned for the first time (SurfaceTally), so that views that
   /// promise and do not deliver are blacklisted.
   virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
   virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::OccupancyView& map,

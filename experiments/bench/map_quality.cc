@@ -154,8 +154,8 @@ bool QualityProbes::OccupiedWithin(const StateAt& state, const Vec3& p, double r
 }
 
 MapQuality QualityProbes::Judge(const StateAt& state) const {
-  Tally on_rays, on_rays_empty, to_30_empty, near_hit, near, mid, far, to_30, freed, freed_grazing,
-      freed_other, lost;
+  Tally on_rays, on_rays_empty, on_rays_exact, to_30_empty, to_30_exact, near_hit, near, mid, far, to_30,
+      freed, freed_grazing, freed_other, lost;
   for (const Probe& probe : probes_) {
     const Vec3 p = probe.p.cast<double>();
     const CellState cell = state(p);
@@ -163,6 +163,7 @@ MapQuality QualityProbes::Judge(const StateAt& state) const {
     switch (probe.kind) {
       case Kind::kFreeOnRay:
         on_rays.Count(free);
+        on_rays_exact.Count(probe.empty);
         if (probe.empty) on_rays_empty.Count(free);
         break;
       case Kind::kHit:
@@ -171,6 +172,7 @@ MapQuality QualityProbes::Judge(const StateAt& state) const {
       case Kind::kFreeBetween:
         (probe.range_m < 10.0f ? near : probe.range_m < 30.0f ? mid : far).Count(free);
         if (probe.range_m < 30.0f) to_30.Count(free);
+        if (probe.range_m < 30.0f) to_30_exact.Count(probe.empty);
         if (probe.range_m < 30.0f && probe.empty) to_30_empty.Count(free);
         break;
       case Kind::kSurface:
@@ -185,12 +187,14 @@ MapQuality QualityProbes::Judge(const StateAt& state) const {
   }
   return {.free_on_rays = on_rays.Share(),
           .free_on_rays_empty = on_rays_empty.Share(),
+          .free_on_rays_exact = on_rays_exact.Share(),
           .occupied_near_hit = near_hit.Share(),
           .free_between_near = near.Share(),
           .free_between_mid = mid.Share(),
           .free_between_far = far.Share(),
           .free_between_30 = to_30.Share(),
           .free_between_30_empty = to_30_empty.Share(),
+          .free_between_30_exact = to_30_exact.Share(),
           .surface_freed = freed.Share(),
           .surface_freed_grazing = freed_grazing.Share(),
           .surface_freed_other = freed_other.Share(),

@@ -27,11 +27,13 @@ using StateAt = std::function<mapping::CellState(const core::Vec3& p_map)>;
 struct MapQuality {
   double free_on_rays = -1;        ///< of points on beams, a voxel's diagonal before the surface, held free
   double free_on_rays_empty = -1;  ///< of those, in voxels that no surface runs through
+  double free_on_rays_exact = -1;  ///< what a map scores that holds all but those voxels free
   double occupied_near_hit = -1;   ///< of true hits of beams, with an occupied voxel among the 27 around
   double free_between_near = -1, free_between_mid = -1,
          free_between_far = -1;                                 ///< 0-10, 10-30, 30-60 m off the beams
   double free_between_30 = -1;                                  ///< 0-30 m
   double free_between_30_empty = -1;                            ///< of those, in voxels without surface
+  double free_between_30_exact = -1;                            ///< as free_on_rays_exact
   double surface_freed = -1;                                    ///< of true surface points in view, held free
   double surface_freed_grazing = -1, surface_freed_other = -1;  ///< incidence above or below 80 degrees
   /// Of points on surface that extends 1.5 beam spacings to every side: held free, and nothing occupied

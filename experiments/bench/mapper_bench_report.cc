@@ -65,22 +65,23 @@ TextTable Speed(const std::vector<MapperCaseResult>& results) {
 }
 
 TextTable Quality(const std::vector<MapperCaseResult>& results) {
-  TextTable table{
-      {"scans of", "range/voxel", "mapper", "after", "free on rays", "empty", "hit occupied", "between 0-10",
-       "10-30", "30-60", "0-30 m", "empty", "surface freed", "grazing", "other", "obstacle freed"},
-      {true, true, true},
-      {},
-      {}};
+  TextTable table{{"scans of", "range/voxel", "mapper", "after", "free on rays", "exact", "empty",
+                   "hit occupied", "between 0-10", "10-30", "30-60", "0-30 m", "exact", "empty",
+                   "surface freed", "grazing", "other", "obstacle freed"},
+                  {true, true, true},
+                  {},
+                  {}};
   table.left.resize(table.heading.size(), false);
   const auto add = [&](const MapperCaseResult& result, const MapperCourse& course, size_t scans,
                        const MapQuality& q) {
     std::vector<std::string> row = SettingCells(result);
     row.insert(
         row.end(),
-        {course.mapper, fmt::format("{}", scans), Percent(q.free_on_rays), Percent(q.free_on_rays_empty),
-         Percent(q.occupied_near_hit), Percent(q.free_between_near), Percent(q.free_between_mid),
-         Percent(q.free_between_far), Percent(q.free_between_30), Percent(q.free_between_30_empty),
-         Percent(q.surface_freed), Percent(q.surface_freed_grazing), Percent(q.surface_freed_other),
+        {course.mapper, fmt::format("{}", scans), Percent(q.free_on_rays), Percent(q.free_on_rays_exact),
+         Percent(q.free_on_rays_empty), Percent(q.occupied_near_hit), Percent(q.free_between_near),
+         Percent(q.free_between_mid), Percent(q.free_between_far), Percent(q.free_between_30),
+         Percent(q.free_between_30_exact), Percent(q.free_between_30_empty), Percent(q.surface_freed),
+         Percent(q.surface_freed_grazing), Percent(q.surface_freed_other),
          q.obstacle_freed < 0.0 ? "-" : fmt::format("{:.2f}", 100.0 * q.obstacle_freed)});
     table.rows.push_back(row);
   };
@@ -124,7 +125,7 @@ std::string SpeedTable(const std::vector<MapperCaseResult>& results) {
 std::string QualityTable(const std::vector<MapperCaseResult>& results) {
   return ToTerminal(Quality(results)) +
          "Per cent. free on rays, hit occupied: along beams. between: truly visible points off the beams "
-         "held free (empty: those in voxels without surface). "
+         "held free (empty: those in voxels without surface; exact: of a map that holds just these free). "
          "surface freed:\ntrue surface in view held free (grazing: beyond 80 degrees). obstacle freed: of "
          "surface wider "
          "than the beams' spacing, freed with nothing occupied near.\n";

@@ -126,12 +126,12 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
       ScatterTrails(&trails_);
     }
   };
+  Reserve(&rules);
   const size_t cells = image.range.size(), columns = static_cast<size_t>(image.columns);
   for (size_t row = 0; row < cells; row += columns) {
     for (const ScanImage::Run& run : image.runs) {
       for (size_t c = run.first; c < run.last; c += kHitGroup) {
         const size_t cell = row + std::min(c, run.last - kHitGroup);
-        Reserve(&rules);
         QueueCells(image, ends, cell, frame, rules, blocks_.front().delta, &queue);
         take(kHitGroup);
       }

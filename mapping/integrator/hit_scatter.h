@@ -55,7 +55,7 @@ class HitScatter {
   std::vector<HitBlock> blocks_;
   size_t blocks_used_ = 0, rows_used_ = 0;
   size_t blocks_clear_ = 0;  ///< up to here blocks are all 0 when they are first used
-  HitTrails trails_;
+  HitTrails trails_{};
   VoxelUpdates updates_;
 };
 

@@ -31,8 +31,8 @@ struct ImageOptions {
 struct ScanImage {
   const BeamGrid* grid = nullptr;
   int rows = 0, columns = 0;
-  /// The columns that the stages fill, [first, last): all, or those that see what is kept (KeepColumns). What
-  /// the others hold is left over from other scans.
+  /// The columns that the stages fill, [first, last) in whole groups of 16: all, or those that see what is
+  /// kept (KeepColumns). What the others hold is left over from other scans.
   struct Run {
     size_t first, last;
   };

@@ -327,6 +327,7 @@ void FindSpares(ScanImage* image) {
     if (taken[i] != 0 || image->ray_range[i] <= 0.0f) return;
     const int row = std::clamp(static_cast<int>(image->ray_v[i] + 0.5f), 0, image->rows - 1);
     const int column = static_cast<int>(image->ray_u[i] + 0.5f) % image->columns;
+    if (!image->Filled(static_cast<size_t>(column))) return;
     image->spare.push_back({static_cast<int32_t>(i), row * image->columns + column});
   };
   size_t i = 0;

@@ -129,13 +129,12 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
     const float* own = image->own[0].data() + row * static_cast<size_t>(image->pitch);
     const float* bound = own;
     if (options.reach_behind_m > 0.0f) {
-      for (const ScanImage::Run& run : image->runs)
-        for (size_t i = run.first; i < run.last; ++i) {
-          const size_t cell = row * columns + i;
-          const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
-          image->row_bound[i] =
-              image->range[cell] > 0.0f ? std::max(own[i], image->range[cell] + reach) : own[i];
-        }
+      for (size_t i = 0; i < columns; ++i) {
+        const size_t cell = row * columns + i;
+        const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
+        image->row_bound[i] =
+            image->range[cell] > 0.0f ? std::max(own[i], image->range[cell] + reach) : own[i];
+      }
       bound = image->row_bound.data();
     }
     uint32_t* out = image->box.data() + row * pitch;

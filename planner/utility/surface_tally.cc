@@ -1,5 +1,6 @@
 #include "planner/utility/surface_tally.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace atlas::planner {
@@ -20,19 +21,19 @@ size_t SurfaceTally::IndexOf(const int cell[3]) const {
              (static_cast<size_t>(cell[1]) + static_cast<size_t>(size_[1]) * static_cast<size_t>(cell[2]));
 }
 
-bool SurfaceTally::SeenAround(const int cell[3]) const {
-  for (int k = 0; k < 27; ++k) {
-    const int near[3] = {cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1};
-    if (seen_[IndexOf(near)]) return true;
+bool SurfaceTally::SeenAround(size_t index) const {
+  const auto row = static_cast<size_t>(size_[0]), layer = row * static_cast<size_t>(size_[1]);
+  const size_t first = index - 1 - row - layer;
+  for (size_t k = 0; k < 27; ++k) {
+    if (seen_[first + k % 3 + row * (k / 3 % 3) + layer * (k / 9)]) return true;
   }
   return false;
 }
 
-size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& occupied_map, const TraversableGround& ground) {
+size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& returns_map, const TraversableGround& ground) {
   std::vector<size_t> unseen;
-  size_t fresh = 0;
-  for (const core::Vec3f& center : occupied_map) {
-    const core::Vec3 p = center.cast<double>();
+  for (const core::Vec3f& point : returns_map) {
+    const core::Vec3 p = point.cast<double>();
     if (!box_.Contains(p)) continue;
     int cell[3];
     for (int axis = 0; axis < 3; ++axis) {
@@ -41,10 +42,13 @@ size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& occupied_map, cons
     const size_t index = IndexOf(cell);
     if (seen_[index] || p.z() < ground.SurfaceAt(p.head<2>()).height_m + 2.0 * voxel_m_) continue;
     unseen.push_back(index);
-    if (!SeenAround(cell)) ++fresh;
   }
+  std::sort(unseen.begin(), unseen.end());
+  unseen.erase(std::unique(unseen.begin(), unseen.end()), unseen.end());
+  const auto fresh =
+      std::count_if(unseen.begin(), unseen.end(), [this](size_t index) { return !SeenAround(index); });
   for (const size_t index : unseen) seen_[index] = true;
-  return fresh;
+  return static_cast<size_t>(fresh);
 }
 
 }  // namespace atlas::planner

@@ -1,4 +1,4 @@
-// How much of the object's surface the map holds, counted so that it only grows.
+// How much of the object's surface was seen, counted so that it only grows.
 #pragma once
 
 #include <cstddef>
@@ -9,22 +9,24 @@
 
 namespace atlas::planner {
 
-/// Voxels of the object's box that were ever occupied, the ground left out. Unlike the map's occupied voxels,
-/// which also vanish as grazing rays clear them and thereby hide what else is new, this follows the coverage
-/// of the object without knowing the truth. A voxel beside one that earlier calls saw shows the same surface
-/// to within the map's resolution (noise thickens what is seen again and again) and does not count.
+/// Voxels of the object's box that returns fell into, the ground left out. Unlike the map's occupied voxels,
+/// which also lie behind surfaces, and vanish as grazing rays clear them, this follows the coverage of the
+/// object without knowing the truth, whatever the map. A voxel beside one that earlier calls saw shows the
+/// same surface to within the map's resolution (noise thickens what is seen again and again) and does not
+/// count.
 class SurfaceTally {
  public:
   /// @pre voxel_m > 0, the map's resolution.
   SurfaceTally(const core::Box3& object_box, double voxel_m);
 
-  /// Of these voxel centres, how many lie on the object, and neither they nor any of their 26 neighbours were
-  /// occupied in an earlier call. Voxels lower than two above the ground under them are ground.
-  size_t CountNew(const std::vector<core::Vec3f>& occupied_map, const TraversableGround& ground);
+  /// Of the voxels that these returns fell into, how many lie on the object, and neither they nor any of
+  /// their 26 neighbours held one in an earlier call. Returns lower than two voxels above the ground under
+  /// them are ground.
+  size_t CountNew(const std::vector<core::Vec3f>& returns_map, const TraversableGround& ground);
 
  private:
   size_t IndexOf(const int cell[3]) const;
-  bool SeenAround(const int cell[3]) const;
+  bool SeenAround(size_t index) const;
 
   core::Box3 box_;
   double voxel_m_;

@@ -37,6 +37,8 @@ TEST(MapQuality, VoxelsWithoutSurfaceHoldNoSampleOfIt) {
   EXPECT_EQ(quality.free_between_30_empty, 1.0);
   EXPECT_LT(quality.free_on_rays, 0.99) << "many probes share their voxel with a wall";
   EXPECT_GT(quality.free_on_rays, 0.9);
+  EXPECT_NEAR(quality.free_on_rays_exact, quality.free_on_rays, 0.01);
+  EXPECT_NEAR(quality.free_between_30_exact, quality.free_between_30, 0.01);
   EXPECT_EQ(quality.occupied_near_hit, 1.0);
   EXPECT_EQ(probes.Judge([](const Vec3&) { return CellState::kUnknown; }).free_on_rays_empty, 0.0);
 }

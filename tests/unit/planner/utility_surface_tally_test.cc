@@ -37,6 +37,13 @@ TEST(SurfaceTally, AVoxelCountsOnceHoweverOftenItComesAndGoes) {
   EXPECT_EQ(tally.CountNew({two[1], {0.175f, 0.025f, 1.025f}}, ground), 1u);
 }
 
+TEST(SurfaceTally, ManyReturnsInAVoxelAreOne) {
+  SurfaceTally tally(kBox, 0.05);
+  const LevelGround ground(0.0);
+  EXPECT_EQ(tally.CountNew({{0.011f, 0.02f, 1.03f}, {0.012f, 0.04f, 1.02f}, {0.031f, 0.01f, 1.01f}}, ground),
+            1u);
+}
+
 TEST(SurfaceTally, ASurfaceThatNoiseThickensIsNotNew) {
   SurfaceTally tally(kBox, 0.05);
   const LevelGround ground(0.0);
