@@ -16,27 +16,32 @@ void CellEnds(const ScanImage& image, const float* rotation, float* const* end, 
   const size_t lanes = hn::Lanes(d), cells = image.range.size();
   const auto columns = static_cast<size_t>(image.columns);
   const VF zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  for (size_t a = 0; a < 3; ++a) {
+  VF low_x = zero, low_y = zero, low_z = zero, high_x = zero, high_y = zero, high_z = zero;
+  const auto put = [&](int a, VF x, VF y, VF z, size_t at, VF* least, VF* most) {
     const VF mx = hn::Set(d, rotation[3 * a]), my = hn::Set(d, rotation[3 * a + 1]),
              mz = hn::Set(d, rotation[3 * a + 2]);
-    VF least = zero, most = zero;
-    for (size_t row = 0; row < cells; row += columns) {
-      ForColumns(image, lanes, [&](size_t column) {
-        const size_t at = row + column;
-        const VF r = hn::LoadU(d, image.range.data() + at);
-        const VF scale =
-            hn::IfThenElse(hn::Lt(r, zero), hn::Neg(r), hn::IfThenElseZero(hn::Gt(r, zero), one));
-        const VF x = hn::Mul(hn::LoadU(d, image.x.data() + at), scale),
-                 y = hn::Mul(hn::LoadU(d, image.y.data() + at), scale),
-                 z = hn::Mul(hn::LoadU(d, image.z.data() + at), scale);
-        const VF w = hn::Add(hn::Add(hn::Mul(mx, x), hn::Mul(my, y)), hn::Mul(mz, z));
-        hn::StoreU(w, d, end[a] + at);
-        least = hn::Min(least, w);
-        most = hn::Max(most, w);
-      });
-    }
-    low[a] = hn::GetLane(hn::MinOfLanes(d, least));
-    high[a] = hn::GetLane(hn::MaxOfLanes(d, most));
+    const VF w = hn::Add(hn::Add(hn::Mul(mx, x), hn::Mul(my, y)), hn::Mul(mz, z));
+    hn::StoreU(w, d, end[a] + at);
+    *least = hn::Min(*least, w);
+    *most = hn::Max(*most, w);
+  };
+  for (size_t row = 0; row < cells; row += columns) {
+    ForColumns(image, lanes, [&](size_t column) {
+      const size_t at = row + column;
+      const VF r = hn::LoadU(d, image.range.data() + at);
+      const VF scale = hn::IfThenElse(hn::Lt(r, zero), hn::Neg(r), hn::IfThenElseZero(hn::Gt(r, zero), one));
+      const VF x = hn::Mul(hn::LoadU(d, image.x.data() + at), scale),
+               y = hn::Mul(hn::LoadU(d, image.y.data() + at), scale),
+               z = hn::Mul(hn::LoadU(d, image.z.data() + at), scale);
+      put(0, x, y, z, at, &low_x, &high_x);
+      put(1, x, y, z, at, &low_y, &high_y);
+      put(2, x, y, z, at, &low_z, &high_z);
+    });
+  }
+  const VF lows[3] = {low_x, low_y, low_z}, highs[3] = {high_x, high_y, high_z};
+  for (int a = 0; a < 3; ++a) {
+    low[a] = hn::GetLane(hn::MinOfLanes(d, lows[a]));
+    high[a] = hn::GetLane(hn::MaxOfLanes(d, highs[a]));
   }
 }
 

@@ -182,7 +182,8 @@ void PrepareTables(ScanImage* image) {
   }
 
   image->box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);
-  image->box_pitch = columns + 256;
+  // Repeated columns: the widest step from level to level, and a whole vector.
+  image->box_pitch = columns + (size_t{1} << (ScanImage::kBoxLevels - 2 + image->box_shift)) + 32;
   image->box_stride = rows * image->box_pitch + kSlack;
   image->box.resize(ScanImage::kBoxLevels * image->box_stride);
   image->row_bound.resize(columns + kSlack);
