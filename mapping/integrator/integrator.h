@@ -32,7 +32,7 @@ struct IntegratorParams {
   double hit_nats = 0.85;      ///< the voxel that holds a return gains at least this
   double edge_nats = 0.05;     ///< an occupied voxel that is free only at a surface's edge loses this a scan
   double pierce_voxels =
-      0.3;  ///< a beam clears the voxels whose middle it passes this near, whatever ends around
+      0.35;  ///< a beam clears the voxels whose middle it passes this near, whatever ends around
   double truncation_voxels = 3.0;  ///< TSDF: at scale 1; grows with the scale of integration
   int max_scale = 4;               ///< largest cell side inside a block, voxels: 1, 2 or 4
   bool lossless = false;  ///< collapse only what is equal; else all-free leaves keep their least free value

@@ -69,7 +69,13 @@ std::vector<uint8_t> DigestOf(const mapping::Octree<Field>& map) {
     for (int block = 0; block < mapping::kChunkBlocks; ++block) {
       append(chunk->Kind(block));
       if (chunk->Kind(block) == mapping::BlockKind::kUniform) {
-        append(chunk->uniform.Get(block));
+        const auto value = chunk->uniform.Get(block);
+        if constexpr (std::is_same_v<Field, mapping::TsdfField>) {  // its padding holds anything
+          append(value.distance);
+          append(value.weight);
+        } else {
+          append(value);
+        }
       } else {
         map.Expand(*chunk, block, leaf.get());
         append(*leaf);
