@@ -13,7 +13,8 @@ namespace atlas::mapping {
 /// What a scan adds where it saw nothing but free space, and how blocks collapse.
 struct WriteRules {
   int miss_units = 8;            ///< occupancy
-  int edge_units = 1;            ///< occupancy: of a free voxel beside a surface
+  int hit_units = 16;            ///< occupancy: least of a voxel that holds a return
+  int edge_units = 4;            ///< occupancy: of a free voxel beside a surface
   int16_t free_distance = 4096;  ///< TSDF
   bool lossless = false;
 };
@@ -35,13 +36,13 @@ class BlockWriter<OccupancyField> {
   /// A miss of cells of 2^3. @pre the block is not fine.
   void FreeCoarse(int block, uint64_t cells) {
     int8_t* values = map_->MakeCoarse(chunk_, block, worker_).log_odds;
-    Finish(block, ApplyEvidence(values, 1, &cells, {}, nullptr, rules_.miss_units));
+    Finish(block, ApplyEvidence(values, 1, &cells, {}, nullptr, rules_.miss_units, rules_.hit_units));
   }
   /// A miss of voxels (null for all), overruled by evidence
   /// where there is some (null for none).
   void UpdateFine(int block, const uint64_t* free, const WeakMisses& weak, const Evidence* evidence) {
     int8_t* values = map_->MakeFine(chunk_, block, worker_).log_odds;
-    Finish(block, ApplyEvidence(values, 8, free, weak, evidence, rules_.miss_units));
+    Finish(block, ApplyEvidence(values, 8, free, weak, evidence, rules_.miss_units, rules_.hit_units));
   }
   /// Brings the chunk's summaries up to date and marks what changed.
   void Close() {

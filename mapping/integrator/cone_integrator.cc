@@ -99,8 +99,9 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     c.image = &image_;
     c.frame = &frame_;
     c.hits = &hits_;
-    c.rules.miss_units = static_cast<int>(std::lround(params_.miss_nats / OccupancyField::kNatsPerUnit));
-    c.rules.edge_units = static_cast<int>(std::lround(params_.edge_nats / OccupancyField::kNatsPerUnit));
+    c.rules.miss_units = OccupancyField::StepsOf(params_.miss_nats);
+    c.rules.hit_units = OccupancyField::StepsOf(params_.hit_nats);
+    c.rules.edge_units = OccupancyField::StepsOf(params_.edge_nats);
     c.rules.free_distance = static_cast<int16_t>(
         std::lround(params_.truncation_voxels * resolution / TsdfField::UnitM(resolution)));
     c.rules.lossless = params_.lossless;

@@ -27,6 +27,7 @@ struct Hits {
 /// Eq. 4.2 at the hits' ranges.
 struct Surface {
   VF band, depth, slope, miss;
+  float near;
 
   HWY_INLINE Surface(DF d, const SurfaceModel& m, VF range)
       : band(hn::Mul(hn::Set(d, 3.0f),
@@ -34,19 +35,22 @@ struct Surface {
         depth(hn::Min(hn::Max(hn::Mul(hn::Set(d, m.lambda_r), range), hn::Set(d, m.behind_min_voxels)),
                       hn::Set(d, m.behind_max_voxels))),
         slope(hn::Div(hn::Set(d, m.miss_units), band)),
-        miss(hn::Set(d, m.miss_units)) {}
+        miss(hn::Set(d, m.miss_units)),
+        near(static_cast<float>(m.near_units)) {}
 
-  /// Rounded to units, never 0.
-  HWY_INLINE VI Units(DF d, VF distance) const {
+  /// For voxels without a return, in whole steps, never 0. The surface cuts those in front of the return only
+  /// just, and lies wholly before those behind.
+  HWY_INLINE VI NearUnits(DF d, VF distance, int place) const {
     const DI di;
-    const VF half = hn::Set(d, 0.5f);
+    const VF half = hn::Set(d, 0.5f), step = hn::Set(d, static_cast<float>(OccupancyField::kPlaces));
     const VF ramp = hn::Mul(slope, hn::Min(distance, hn::Mul(half, depth)));
     const VF value = hn::IfThenElse(hn::Le(distance, hn::Neg(band)), hn::Neg(miss), ramp);
-    const VI rounded = hn::ConvertTo(di, hn::Floor(hn::Add(value, half)));
-    const VI sign =
-        hn::IfThenElse(hn::RebindMask(di, hn::Lt(distance, hn::Zero(d))), hn::Set(di, -1), hn::Set(di, 1));
-    const VI whole = hn::IfThenElse(hn::Eq(rounded, hn::Zero(di)), sign, rounded);
-    return hn::Min(hn::Max(whole, hn::Set(di, -127)), hn::Set(di, 127));
+    const VF steps = hn::Floor(hn::Add(hn::Mul(value, hn::Set(d, 1.0f / OccupancyField::kPlaces)), half));
+    const MF before = hn::Lt(distance, hn::Zero(d));
+    const VF whole = hn::Mul(
+        step, hn::IfThenElse(before, hn::Min(steps, hn::Set(d, -1.0f)), hn::Max(steps, hn::Set(d, 1.0f))));
+    const VI told = hn::ConvertTo(di, hn::Min(whole, hn::Set(d, near)));
+    return hn::Or(told, hn::IfThenElseZero(hn::RebindMask(di, hn::Not(before)), hn::Set(di, place)));
   }
 };
 
@@ -68,7 +72,7 @@ HWY_INLINE MF Within(DF d, const Vector3& p, const TrailRules& rules, float marg
   const NodeKey &low = rules.keep_min, &high = rules.keep_max;
   return hn::And(within(p.x, low.x, high.x), hn::And(within(p.y, low.y, high.y), within(p.z, low.z, high.z)));
 }
-constexpr float kReach = HitTrails::kBehind + 1;  ///< voxels that a trail stays within
+constexpr float kReach = HitApproaches::kVoxels + 1;  ///< voxels that trails and approaches stay within
 
 /// Where voxels of the window are held.
 struct Home {
@@ -115,17 +119,19 @@ struct End {
   VI said;    ///< as in HitTrails
   MF inside;  ///< no voxel of the trail can be left out
 };
-HWY_INLINE End EndOf(DF d, const Hits& h, const Surface& surface, const TrailRules& rules) {
+HWY_INLINE End EndOf(DF d, const Hits& h, const TrailRules& rules) {
   const DI di;
   End end;
   end.voxel = {hn::Floor(h.p.x), hn::Floor(h.p.y), hn::Floor(h.p.z)};
-  end.delta = hn::Max(hn::Set(di, rules.model.hit_units),
-                      surface.Units(d, hn::Min(DistanceTo(d, h, end.voxel), surface.depth)));
+  const VF behind = hn::Div(DistanceTo(d, h, end.voxel), hn::Add(h.support, h.support));
+  const VF places = hn::Set(d, static_cast<float>(OccupancyField::kPlaces));
+  const VF last = hn::Set(d, static_cast<float>(OccupancyField::kPlaces - 1));
+  const VF place = hn::Min(hn::Max(hn::Floor(hn::Mul(behind, places)), hn::Zero(d)), last);
+  end.delta = hn::Add(hn::Set(di, rules.model.hit_units), hn::ConvertTo(di, place));
   end.inside = Within(d, h.p, rules, kReach);
-  const MF crowded = hn::Lt(h.range, hn::Set(d, rules.crowded_range_voxels));
-  const VI enough =
-      hn::IfThenElse(hn::RebindMask(di, crowded), end.delta, hn::Add(end.delta, hn::Set(di, 1)));
-  end.said = hn::IfThenElse(hn::RebindMask(di, end.inside), enough, hn::Set(di, 128));
+  // The first hit in a voxel tells its place, so that no choice among many biases it.
+  end.said =
+      hn::IfThenElse(hn::RebindMask(di, end.inside), hn::Set(di, rules.model.hit_units), hn::Set(di, 128));
   return end;
 }
 
@@ -136,6 +142,24 @@ HWY_INLINE void Complete(DF d, const Vector3& w, const ScanFrame& frame, Hits* h
   h->hit = hn::Gt(h->range, hn::Zero(d));
   const VF inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(h->hit, h->range, hn::Set(d, 1.0f)));
   h->along = {hn::Mul(w.x, inverse), hn::Mul(w.y, inverse), hn::Mul(w.z, inverse)};
+}
+
+/// Appends those of the group's first 16 hits. @pre queue->count < 16.
+HWY_INLINE void Append(DF d, const HitQueue& group, uint32_t which, HitQueue* queue) {
+  const size_t lanes = hn::Lanes(d);
+  for (size_t i = 0; i < kHitGroup; i += lanes) {
+    const uint64_t bits = which >> i & LaneBits(d);
+    const MF mask = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
+    const auto add = [&](const float* from, float* to) {
+      return hn::CompressStore(hn::Load(d, from + i), mask, d, to + queue->count);
+    };
+    for (size_t a = 0; a < 3; ++a) {
+      add(group.end[a], queue->end[a]);
+      add(group.inward[a], queue->inward[a]);
+    }
+    add(group.support, queue->support);
+    queue->count += add(group.range, queue->range);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -90,24 +90,6 @@ HWY_INLINE void StoreHits(DF d, const Vector3& w, const Hits& h, size_t lane, Hi
   hn::Store(h.range, d, out->range + lane);
 }
 
-/// Appends those of the group's first 16 hits. @pre queue->count < 16.
-HWY_INLINE void Append(DF d, const HitQueue& group, uint32_t which, HitQueue* queue) {
-  const size_t lanes = hn::Lanes(d);
-  for (size_t i = 0; i < kHitGroup; i += lanes) {
-    const uint64_t bits = which >> i & LaneBits(d);
-    const MF mask = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
-    const auto add = [&](const float* from, float* to) {
-      return hn::CompressStore(hn::Load(d, from + i), mask, d, to + queue->count);
-    };
-    for (size_t a = 0; a < 3; ++a) {
-      add(group.end[a], queue->end[a]);
-      add(group.inward[a], queue->inward[a]);
-    }
-    add(group.support, queue->support);
-    queue->count += add(group.range, queue->range);
-  }
-}
-
 void CellsToQueue(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
                   const TrailRules& rules, const int8_t* held, HitQueue* queue) {
   const DF d;
@@ -139,7 +121,7 @@ void CellsToQueue(const ScanImage& image, const float* const end[3], size_t firs
       ends.hits |= BitsOf(d, h.hit) << lane;
       continue;
     }
-    ends.Store(d, h, dense, EndOf(d, h, Surface(d, rules.model, h.range), rules), frame, rules, held, lane);
+    ends.Store(d, h, dense, EndOf(d, h, rules), frame, rules, held, lane);
   }
   Append(d, group, ends.Telling(d), queue);
 }

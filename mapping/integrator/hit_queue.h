@@ -26,7 +26,6 @@ struct TrailRules {
   SurfaceModel model;
   NodeKey keep_min, keep_max;  ///< voxels outside [min, max) of the window are left out
   float dense_range_voxels;    ///< farther, hardly a voxel holds two hits
-  float crowded_range_voxels;  ///< closer, hits are many a voxel, and the first that says most is enough
   /// Where blocks are held: of each chunk of the window its row in `slots`, of each block there its slot;
   /// row 0 and slot 0 are none.
   const int32_t *row_of_chunk, *slots;

@@ -9,7 +9,6 @@ namespace {
 
 // Voxels between beams:
 constexpr double kDense = 0.5;        ///< farther, and hardly a voxel holds two hits
-constexpr double kCrowded = 0.35;     ///< closer, and hits are many a voxel
 constexpr size_t kClearedAtOnce = 8;  ///< blocks
 constexpr int kWindowMargin = 8;      ///< voxels beyond the outermost ray end
 
@@ -90,7 +89,7 @@ size_t HitScatter::SlotOf(int32_t block) {
 }
 
 void HitScatter::Reserve(TrailRules* rules) {
-  constexpr size_t kMost = kHitGroup * HitTrails::kVoxels;
+  constexpr size_t kMost = kHitGroup * std::max(HitTrails::kVoxels, HitApproaches::kVoxels);
   if (blocks_.size() < blocks_used_ + kMost + kClearedAtOnce) {
     blocks_.resize(2 * blocks_.size() + kMost + kClearedAtOnce);
   }
@@ -114,16 +113,24 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
                    keep_min,
                    keep_max,
                    static_cast<float>(kDense / image.grid->min_pitch_rad),
-                   static_cast<float>(kCrowded / image.grid->min_pitch_rad),
                    row_of_chunk_.data(),
                    nullptr};
   const float* const ends[3] = {wx_.data(), wy_.data(), wz_.data()};
-  HitQueue queue{};
+  HitQueue queue{}, oblique{};
+  const auto approach = [&] {
+    Reserve(&rules);
+    FollowApproaches(frame, rules, &oblique, &approaches_);
+    TakeGroup(0, &oblique, nullptr);
+    ScatterVoxels(~uint32_t{0}, &approaches_);
+  };
   const auto take = [&](size_t least) {
     while (queue.count >= least) {
       Reserve(&rules);
-      TakeTrails(frame, rules, &queue, &trails_);
-      ScatterTrails(&trails_);
+      FollowTrails(frame, rules, &queue, &trails_);
+      const uint32_t news = NewHits(trails_, blocks_.front().delta);
+      TakeGroup(trails_.oblique & news, &queue, &oblique);
+      ScatterVoxels(news, &trails_);
+      if (oblique.count >= kHitGroup) approach();
     }
   };
   Reserve(&rules);
@@ -142,21 +149,21 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
     take(kHitGroup);
   }
   take(1);
+  if (oblique.count > 0) approach();
 }
 
-void HitScatter::ScatterTrails(HitTrails* trails) {
-  int8_t* const held = blocks_.front().delta;
-  const uint32_t news = NewHits(*trails, held);
-  for (int at = 0; at < HitTrails::kVoxels; ++at) {
-    for (uint32_t bits = trails->homeless[at] & news; bits != 0; bits &= bits - 1) {
+template <typename Voxels>
+void HitScatter::ScatterVoxels(uint32_t which, Voxels* voxels) {
+  for (int at = 0; at < Voxels::kVoxels; ++at) {
+    for (uint32_t bits = voxels->homeless[at] & which; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<size_t>(__builtin_ctz(bits));
-      const auto slot = static_cast<int32_t>(SlotOf(trails->block[at][lane]));
-      trails->place[at][lane] = slot * kBlockVoxels + trails->voxel[at][lane];
+      const auto slot = static_cast<int32_t>(SlotOf(voxels->block[at][lane]));
+      voxels->place[at][lane] = slot * kBlockVoxels + voxels->voxel[at][lane];
     }
   }
-  PackUpdates(*trails, news, &updates_);
-  const size_t count = updates_.count;
-  for (size_t i = 0; i < count; ++i) {
+  PackUpdates(*voxels, which, &updates_);
+  int8_t* const held = blocks_.front().delta;
+  for (size_t i = 0; i < updates_.count; ++i) {
     int8_t& value = held[updates_.place[i]];
     const int32_t now =
         value - 128 * static_cast<int32_t>(value == 0);  // no branch: it would be guessed wrong

@@ -41,7 +41,9 @@ class HitScatter {
   }
 
  private:
-  void ScatterTrails(HitTrails* trails);
+  /// Of the hits in `which`, a bit a lane.
+  template <typename Voxels>
+  void ScatterVoxels(uint32_t which, Voxels* voxels);
   /// Makes room for what a group may touch, so that pointers into blocks_ stay good through it.
   void Reserve(TrailRules* rules);
   /// The slot of a block (HitTrails::block), made if it has none.
@@ -56,6 +58,7 @@ class HitScatter {
   size_t blocks_used_ = 0, rows_used_ = 0;
   size_t blocks_clear_ = 0;  ///< up to here blocks are all 0 when they are first used
   HitTrails trails_{};
+  HitApproaches approaches_{};
   VoxelUpdates updates_;
 };
 

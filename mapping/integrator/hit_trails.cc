@@ -13,6 +13,8 @@ namespace HWY_NAMESPACE {
 
 constexpr float kStill = 1e-9f;  ///< less of an axis in a direction: never crosses a voxel along it
 constexpr float kNever = 1e30f;
+constexpr float kApproach = 2.0f;  ///< voxels in front of the (shifted) plane: farther, the cones tell
+constexpr float kOblique = 0.5f;   ///< cosine of incidence: steeper beams leave the surface at once
 
 /// Steps from voxel to voxel along lines (Amanatides and Woo).
 struct Walk {
@@ -52,8 +54,9 @@ HWY_INLINE Walk WalkFrom(DF d, const Vector3& p, const Vector3& voxel, const Vec
 }
 
 /// Stores Lanes(d) voxels of a trail; `delta` counts where `said` and the voxel is kept.
+template <int kMost>
 HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept, const ScanFrame& frame,
-                    const TrailRules& rules, int at, size_t lane, HitTrails* out) {
+                    const TrailRules& rules, int at, size_t lane, TrailVoxels<kMost>* out) {
   const DI di;
   const MF kept = all_kept ? said : hn::And(said, Within(d, voxel, rules, 0.0f));
   const uint32_t bits = BitsOf(d, kept);
@@ -67,56 +70,114 @@ HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept
   hn::Store(delta, di, out->delta[at] + lane);
 }
 
+HWY_INLINE Vector3 Reversed(const Vector3& v) {
+  return {hn::Neg(v.x), hn::Neg(v.y), hn::Neg(v.z)};
+}
+
 HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const TrailRules& rules, size_t lane,
                             HitTrails* out) {
   const DI di;
   const Surface surface(d, rules.model, h.range);
-  const End end = EndOf(d, h, surface, rules);
+  const End end = EndOf(d, h, rules);
   const bool all_kept = hn::AllTrue(d, hn::Or(end.inside, hn::Not(h.hit)));
-  Say(d, end.voxel, end.delta, h.hit, all_kept, frame, rules, 0, lane, out);
+  const auto say = [&](const Vector3& voxel, VI delta, MF said, int at) {
+    Say(d, voxel, delta, said, all_kept, frame, rules, at, lane, out);
+  };
+  say(end.voxel, end.delta, h.hit, 0);
   hn::Store(end.said, di, out->said + lane);
 
   Walk behind = WalkFrom(d, h.p, end.voxel, h.along);
   MF goes_on = h.hit;
-  for (int step = 0; step < HitTrails::kBehind; ++step) {
+  for (int step = 0; step < kTrailBehind; ++step) {
     behind.Next(d);
     const VF distance = DistanceTo(d, h, behind.voxel);
     goes_on = hn::And(goes_on, hn::Le(distance, surface.depth));
     if (hn::AllFalse(d, goes_on)) break;
-    Say(d, behind.voxel, surface.Units(d, distance), goes_on, all_kept, frame, rules, 1 + step, lane, out);
+    say(behind.voxel, surface.NearUnits(d, distance, OccupancyField::kPlaces - 1), goes_on, 1 + step);
   }
-  Walk front = WalkFrom(d, h.p, end.voxel, {hn::Neg(h.along.x), hn::Neg(h.along.y), hn::Neg(h.along.z)});
+  Walk front = WalkFrom(d, h.p, end.voxel, Reversed(h.along));
   goes_on = h.hit;
-  for (int step = 0; step < HitTrails::kInFront; ++step) {
+  for (int step = 0; step < kTrailInFront; ++step) {
     front.Next(d);
     const VF distance = DistanceTo(d, h, front.voxel);
     goes_on = hn::And(goes_on, hn::Gt(distance, hn::Neg(surface.band)));
     if (hn::AllFalse(d, goes_on)) break;
-    Say(d, front.voxel, surface.Units(d, distance), goes_on, all_kept, frame, rules,
-        1 + HitTrails::kBehind + step, lane, out);
+    say(front.voxel, surface.NearUnits(d, distance, 0), goes_on, 1 + kTrailBehind + step);
   }
 }
 
-void TrailsOfQueue(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitTrails* out) {
-  const DF d;
-  const size_t lanes = hn::Lanes(d);
-  for (size_t i = queue->count; i < kHitGroup; ++i) queue->range[i] = 0.0f;
-  out->hits = 0;
-  for (uint32_t& says : out->says) says = 0;
-  for (uint32_t& homeless : out->homeless) homeless = 0;
-  for (size_t lane = 0; lane < kHitGroup; lane += lanes) {
-    const auto load = [&](const float(&v)[3][HitQueue::kRoom]) {
-      return Vector3{hn::Load(d, v[0] + lane), hn::Load(d, v[1] + lane), hn::Load(d, v[2] + lane)};
-    };
-    Hits h;
-    h.range = hn::Load(d, queue->range + lane);
-    h.support = hn::Load(d, queue->support + lane);
-    h.inward = load(queue->inward);
-    Complete(d, load(queue->end), frame, &h);
-    out->hits |= BitsOf(d, h.hit) << lane;
-    WriteTrails(d, h, frame, rules, lane, out);
+HWY_INLINE void WriteApproaches(DF d, const Hits& h, const ScanFrame& frame, const TrailRules& rules,
+                                size_t lane, HitApproaches* out) {
+  const Surface surface(d, rules.model, h.range);
+  const Vector3 end = {hn::Floor(h.p.x), hn::Floor(h.p.y), hn::Floor(h.p.z)};
+  const bool all_kept = hn::AllTrue(d, hn::Or(Within(d, h.p, rules, kReach), hn::Not(h.hit)));
+  Walk back = WalkFrom(d, h.p, end, Reversed(h.along));
+  MF goes_on = h.hit;
+  for (int step = 0; step < HitApproaches::kVoxels; ++step) {
+    back.Next(d);
+    const VF distance = DistanceTo(d, h, back.voxel);
+    goes_on = hn::And(goes_on, hn::Gt(distance, hn::Set(d, -kApproach)));
+    if (hn::AllFalse(d, goes_on)) break;
+    // The first ones the trail speaks of, while they are in the band.
+    const MF more =
+        step < kTrailInFront ? hn::And(goes_on, hn::Le(distance, hn::Neg(surface.band))) : goes_on;
+    Say(d, back.voxel, surface.NearUnits(d, distance, 0), more, all_kept, frame, rules, step, lane, out);
   }
-  const size_t rest = queue->count - std::min(queue->count, kHitGroup);
+}
+
+/// The first group of a queue, Lanes(d) from `lane` on. @pre ranges beyond the queue's count are 0.
+HWY_INLINE Hits HitsAt(DF d, const HitQueue& queue, const ScanFrame& frame, size_t lane) {
+  const auto load = [&](const float(&v)[3][HitQueue::kRoom]) {
+    return Vector3{hn::Load(d, v[0] + lane), hn::Load(d, v[1] + lane), hn::Load(d, v[2] + lane)};
+  };
+  Hits h;
+  h.range = hn::Load(d, queue.range + lane);
+  h.support = hn::Load(d, queue.support + lane);
+  h.inward = load(queue.inward);
+  Complete(d, load(queue.end), frame, &h);
+  return h;
+}
+
+HWY_INLINE void FillUp(HitQueue* queue) {
+  for (size_t i = queue->count; i < kHitGroup; ++i) queue->range[i] = 0.0f;
+}
+
+template <int kMost>
+HWY_INLINE void Clear(TrailVoxels<kMost>* voxels) {
+  for (uint32_t& says : voxels->says) says = 0;
+  for (uint32_t& homeless : voxels->homeless) homeless = 0;
+}
+
+void Trails(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitTrails* out) {
+  const DF d;
+  FillUp(queue);
+  Clear(out);
+  out->hits = out->oblique = 0;
+  for (size_t lane = 0; lane < kHitGroup; lane += hn::Lanes(d)) {
+    const Hits h = HitsAt(d, *queue, frame, lane);
+    WriteTrails(d, h, frame, rules, lane, out);
+    const VF cosine = hn::Add(hn::Add(hn::Mul(h.along.x, h.inward.x), hn::Mul(h.along.y, h.inward.y)),
+                              hn::Mul(h.along.z, h.inward.z));
+    out->hits |= BitsOf(d, h.hit) << lane;
+    out->oblique |= BitsOf(d, hn::And(hn::And(h.hit, hn::Ge(h.range, hn::Set(d, rules.dense_range_voxels))),
+                                      hn::Lt(cosine, hn::Set(d, kOblique))))
+                    << lane;
+  }
+}
+
+void Approaches(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitApproaches* out) {
+  const DF d;
+  FillUp(queue);
+  Clear(out);
+  for (size_t lane = 0; lane < kHitGroup; lane += hn::Lanes(d)) {
+    WriteApproaches(d, HitsAt(d, *queue, frame, lane), frame, rules, lane, out);
+  }
+}
+
+void TakeFirst(uint32_t which, HitQueue* queue, HitQueue* others) {
+  const DF d;
+  if (which != 0) Append(d, *queue, which, others);
+  const size_t lanes = hn::Lanes(d), rest = queue->count - std::min(queue->count, kHitGroup);
   const auto shift = [&](float(&v)[HitQueue::kRoom]) {
     for (size_t i = 0; i < kHitGroup; i += lanes) hn::Store(hn::Load(d, v + kHitGroup + i), d, v + i);
   };
@@ -146,21 +207,28 @@ uint32_t NewOfGroup(const HitTrails& trails, const int8_t* held) {
   return trails.hits & (more | ~trails.says[0]);
 }
 
-void Pack(const HitTrails& trails, uint32_t hits, VoxelUpdates* out) {
+template <int kMost>
+HWY_INLINE void PackAll(const TrailVoxels<kMost>& voxels, uint32_t hits, VoxelUpdates* out) {
   const DI di;
   const size_t lanes = hn::Lanes(di);
   size_t count = 0;
-  for (int at = 0; at < HitTrails::kVoxels; ++at) {
-    const uint32_t says = trails.says[at] & hits;
+  for (int at = 0; at < kMost; ++at) {
+    const uint32_t says = voxels.says[at] & hits;
     if (says == 0) continue;
     for (size_t i = 0; i < kHitGroup; i += lanes) {
       const uint64_t bits = says >> i;
       const auto mask = hn::LoadMaskBits(di, reinterpret_cast<const uint8_t*>(&bits));
-      hn::CompressStore(hn::Load(di, trails.delta[at] + i), mask, di, out->delta + count);
-      count += hn::CompressStore(hn::Load(di, trails.place[at] + i), mask, di, out->place + count);
+      hn::CompressStore(hn::Load(di, voxels.delta[at] + i), mask, di, out->delta + count);
+      count += hn::CompressStore(hn::Load(di, voxels.place[at] + i), mask, di, out->place + count);
     }
   }
   out->count = count;
+}
+void PackTrails(const HitTrails& trails, uint32_t hits, VoxelUpdates* out) {
+  PackAll(trails, hits, out);
+}
+void PackApproaches(const HitApproaches& approaches, uint32_t hits, VoxelUpdates* out) {
+  PackAll(approaches, hits, out);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -170,13 +238,24 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace atlas::mapping {
 namespace {
-HWY_EXPORT(TrailsOfQueue);
+HWY_EXPORT(Trails);
+HWY_EXPORT(TakeFirst);
 HWY_EXPORT(NewOfGroup);
-HWY_EXPORT(Pack);
+HWY_EXPORT(Approaches);
+HWY_EXPORT(PackApproaches);
+HWY_EXPORT(PackTrails);
 }  // namespace
 
-void TakeTrails(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitTrails* out) {
-  HWY_DYNAMIC_DISPATCH(TrailsOfQueue)(frame, rules, queue, out);
+void FollowTrails(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitTrails* out) {
+  HWY_DYNAMIC_DISPATCH(Trails)(frame, rules, queue, out);
+}
+
+void FollowApproaches(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitApproaches* out) {
+  HWY_DYNAMIC_DISPATCH(Approaches)(frame, rules, queue, out);
+}
+
+void TakeGroup(uint32_t which, HitQueue* queue, HitQueue* others) {
+  HWY_DYNAMIC_DISPATCH(TakeFirst)(which, queue, others);
 }
 
 uint32_t NewHits(const HitTrails& trails, const int8_t* held) {
@@ -184,7 +263,11 @@ uint32_t NewHits(const HitTrails& trails, const int8_t* held) {
 }
 
 void PackUpdates(const HitTrails& trails, uint32_t hits, VoxelUpdates* out) {
-  HWY_DYNAMIC_DISPATCH(Pack)(trails, hits, out);
+  HWY_DYNAMIC_DISPATCH(PackTrails)(trails, hits, out);
+}
+
+void PackUpdates(const HitApproaches& approaches, uint32_t hits, VoxelUpdates* out) {
+  HWY_DYNAMIC_DISPATCH(PackApproaches)(approaches, hits, out);
 }
 
 }  // namespace atlas::mapping

@@ -7,10 +7,10 @@
 
 namespace atlas::mapping {
 
-/// The voxels that each hit of a group speaks of: the one that holds its end, then on along the beam, then
-/// back. `delta` 0: nothing is said.
-struct HitTrails {
-  static constexpr int kBehind = 4, kInFront = 2, kVoxels = 1 + kBehind + kInFront;
+/// Voxels that the hits of a group speak of, kMost a hit.
+template <int kMost>
+struct TrailVoxels {
+  static constexpr int kVoxels = kMost;
   /// Chunk of the window times kChunkBlocks, and the block's place there, x fastest.
   alignas(64) int32_t block[kVoxels][kHitGroup];
   alignas(64) int32_t voxel[kVoxels][kHitGroup];  ///< VoxelIndex in the block
@@ -18,11 +18,22 @@ struct HitTrails {
   /// had none when asked.
   alignas(64) int32_t place[kVoxels][kHitGroup];
   alignas(64) int32_t delta[kVoxels][kHitGroup];
-  uint32_t says[kVoxels];               ///< a bit a lane: delta is not 0
-  uint32_t homeless[kVoxels];           ///< of those, the ones in slot 0
+  uint32_t says[kVoxels];      ///< a bit a lane: delta is not 0
+  uint32_t homeless[kVoxels];  ///< of those, the ones in slot 0
+};
+
+constexpr int kTrailBehind = 4, kTrailInFront = 2;
+
+/// What is said of the voxel that holds each hit's end, then on along the beam, then back.
+struct HitTrails : TrailVoxels<1 + kTrailBehind + kTrailInFront> {
   alignas(64) int32_t said[kHitGroup];  ///< where the end's voxel holds this or more, the hit adds nothing
   uint32_t hits;                        ///< a bit a lane
+  uint32_t oblique;                     ///< of those, the ones whose approach is worth following
 };
+
+/// What is said of the voxels farther back along the beam, while the hit's plane is near: those that it cuts
+/// hold surface, those in front of it are free, whatever returned from around them.
+using HitApproaches = TrailVoxels<16>;
 
 /// The hits of a group that say more than is held already: of their ends' voxels, as they were before it.
 /// @param held  of all slots, by HitTrails::place; aligned.
@@ -30,13 +41,23 @@ uint32_t NewHits(const HitTrails& trails, const int8_t* held);
 
 /// What those hits say, one voxel after the other.
 struct VoxelUpdates {
-  static constexpr size_t kMost = HitTrails::kVoxels * kHitGroup;
+  static constexpr size_t kMost = HitApproaches::kVoxels * kHitGroup;
   alignas(64) int32_t place[kMost + kHitGroup], delta[kMost + kHitGroup];  ///< as in HitTrails
   size_t count = 0;
 };
+/// @param hits  a bit a lane.
+/// @{
 void PackUpdates(const HitTrails& trails, uint32_t hits, VoxelUpdates* out);
+void PackUpdates(const HitApproaches& approaches, uint32_t hits, VoxelUpdates* out);
+/// @}
 
-/// Takes the first group out of the queue and follows it. @pre queue->count > 0.
-void TakeTrails(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitTrails* out);
+/// Follow the first group of the queue. @pre queue->count > 0.
+/// @{
+void FollowTrails(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitTrails* out);
+void FollowApproaches(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitApproaches* out);
+/// @}
+/// Takes the first group out of the queue; those in `which`, a bit a lane, join the other queue.
+/// @pre others->count < kHitGroup.
+void TakeGroup(uint32_t which, HitQueue* queue, HitQueue* others);
 
 }  // namespace atlas::mapping

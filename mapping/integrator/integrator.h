@@ -22,17 +22,19 @@ struct IntegratorParams {
   std::string void_rays = "clear";  ///< clear (free to void_range_m) | ignore
   double void_range_m = 20.0;       ///< a void ray is trusted this far
   // Eq. 4.2: sigma(d) = max(sigma_min, lambda_sigma d); L_min in front of -3 sigma, a ramp through the
-  // surface, flat from lambda_r d / 2, nothing behind lambda_r d.
+  // surface up to near_nats, nothing behind lambda_r d. The voxel that holds a return gains hit_nats instead.
   double sigma_min_m = 0.006;
   double lambda_sigma = 0.0005;
   double lambda_r = 0.02;
   double behind_min_voxels = 2.0;  ///< lambda_r d is at least this
   double behind_max_m = 0.25;  ///< and at most this: far returns must not thicken walls into the next room
-  double miss_nats = 0.4;      ///< -L_min a scan
-  double hit_nats = 0.85;      ///< the voxel that holds a return gains at least this
-  double edge_nats = 0.05;     ///< an occupied voxel that is free only at a surface's edge loses this a scan
+  // Evidence a scan, rounded to steps of 0.2 nats (OccupancyField::kPlaces):
+  double miss_nats = 0.4;  ///< -L_min
+  double hit_nats = 0.8;   ///< of the voxel that holds a return
+  double near_nats = 0.2;  ///< at most, of others that the surface reaches; less than hit_nats
+  double edge_nats = 0.2;  ///< an occupied voxel that is free only at a surface's edge loses this
   double pierce_voxels =
-      0.35;  ///< a beam clears the voxels whose middle it passes this near, whatever ends around
+      0.5;  ///< a beam clears voxels whose middle it passes this near, whatever ends around
   double truncation_voxels = 3.0;  ///< TSDF: at scale 1; grows with the scale of integration
   int max_scale = 4;               ///< largest cell side inside a block, voxels: 1, 2 or 4
   bool lossless = false;  ///< collapse only what is equal; else all-free leaves keep their least free value

@@ -22,17 +22,19 @@ void IntegratorParams::Visit(core::ParamVisitor& v) {
            .doc = "occupied depth behind the surface is at least this"});
   v.Field("behind_max_m", &behind_max_m,
           {.unit = "m", .min = 0.0, .max = 5.0, .doc = "and at most this, so that walls stay thin"});
-  v.Field(
-      "miss_nats", &miss_nats,
-      {.unit = "nats", .min = 0.05, .max = 2.0, .doc = "evidence of one scan that a voxel is free, -L_min"});
+  v.Field("miss_nats", &miss_nats,
+          {.unit = "nats",
+           .min = 0.2,
+           .max = 2.0,
+           .doc = "evidence of one scan that a voxel is free, -L_min; in steps of 0.2 as those below"});
   v.Field("hit_nats", &hit_nats,
           {.unit = "nats",
-           .min = 0.05,
+           .min = 0.4,
            .max = 3.0,
-           .doc = "least evidence of one scan for the voxel that holds a return"});
+           .doc = "evidence of one scan for the voxel that holds a return"});
   v.Field("edge_nats", &edge_nats,
           {.unit = "nats",
-           .min = 0.05,
+           .min = 0.2,
            .max = 2.0,
            .doc = "evidence of one scan against an occupied voxel that is free at a surface's edge"});
   v.Field("pierce_voxels", &pierce_voxels,
@@ -40,6 +42,11 @@ void IntegratorParams::Visit(core::ParamVisitor& v) {
            .min = 0.0,
            .max = 0.87,
            .doc = "a beam clears voxels whose middle it passes this near, though others end before them"});
+  v.Field("near_nats", &near_nats,
+          {.unit = "nats",
+           .min = 0.2,
+           .max = 3.0,
+           .doc = "most evidence of one scan for other voxels that the surface reaches; less than hit_nats"});
   v.Field("truncation_voxels", &truncation_voxels,
           {.unit = "voxels", .min = 1.5, .max = 6.0, .doc = "TSDF truncation at the finest scale"});
   v.Field("max_scale", &max_scale,

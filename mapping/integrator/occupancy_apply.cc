@@ -24,23 +24,40 @@ HWY_INLINE uint64_t BitsOf(D8 d, M8 mask) {
   return bits;
 }
 
-/// The value after an update; `delta` 0 leaves it.
-HWY_INLINE V8 Update(D8 d, V8 value, V8 delta) {
+/// The value after a miss; 0 leaves it. Misses are whole steps, so that places stay.
+HWY_INLINE V8 Lower(D8 d, V8 value, V8 miss) {
   const V8 zero = hn::Zero(d);
-  V8 sum = hn::SaturatedAdd(value, delta);
-  sum = hn::Min(hn::Max(sum, hn::Set(d, OccupancyField::kMin)), hn::Set(d, OccupancyField::kMax));
-  const M8 cancelled = hn::AndNot(hn::Eq(delta, zero), hn::Eq(sum, zero));
+  const V8 sum = hn::Max(hn::SaturatedAdd(value, miss), hn::Set(d, OccupancyField::kMin));
+  const M8 cancelled = hn::AndNot(hn::Eq(miss, zero), hn::Eq(sum, zero));
   return hn::IfThenElse(cancelled, hn::Set(d, 1), sum);
 }
 
+/// The value after an update by whole steps and, of what is positive, a place. Places go a step towards those
+/// of returns; others tell only of voxels that have none.
+HWY_INLINE V8 Update(D8 d, V8 value, V8 delta, V8 hit) {
+  const V8 zero = hn::Zero(d), one = hn::Set(d, 1), bits = hn::Set(d, OccupancyField::kPlaces - 1);
+  const M8 placed = hn::Gt(value, zero), places = hn::Gt(delta, zero), returned = hn::Not(hn::Lt(delta, hit));
+  const V8 old_place = hn::And(value, bits), told = hn::IfThenElseZero(places, hn::And(delta, bits));
+  const V8 towards = hn::Min(hn::Max(hn::Sub(told, old_place), hn::Neg(one)), one);
+  const V8 kept = hn::Add(old_place, hn::IfThenElseZero(returned, towards));
+  const V8 place = hn::IfThenElse(placed, kept, told);
+  const V8 base = hn::IfThenElse(placed, hn::AndNot(bits, value), value);
+  V8 sum = hn::SaturatedAdd(base, hn::IfThenElse(places, hn::AndNot(bits, delta), delta));
+  sum = hn::Min(hn::Max(sum, hn::Set(d, OccupancyField::kMin)), hn::Set(d, OccupancyField::kMax));
+  sum = hn::IfThenElse(hn::Gt(sum, zero), hn::Or(hn::AndNot(bits, sum), place), sum);
+  sum = hn::IfThenElse(hn::Eq(sum, zero), one, sum);
+  return hn::IfThenElse(hn::Eq(delta, zero), value, sum);
+}
+
 ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
-                  const int8_t* delta, int miss_units) {
+                  const int8_t* delta, int miss_units, int hit_units) {
   const D8 d;
   const size_t lanes = hn::Lanes(d);
   const V8 zero = hn::Zero(d), none = hn::Set(d, OccupancyField::kNoneObserved);
   const V8 miss = hn::Set(d, static_cast<int8_t>(-miss_units));
   const V8 weak_miss = hn::Set(d, static_cast<int8_t>(-weak.units)),
            above = hn::Set(d, static_cast<int8_t>(weak.above));
+  const V8 hit = hn::Set(d, static_cast<int8_t>(hit_units));
   V8 max = none, min = hn::Set(d, 127), difference = zero, unknown = zero;
   for (int layer = 0; layer < layers; ++layer) {
     const uint64_t bits = free == nullptr ? ~uint64_t{0} : free[layer];
@@ -52,11 +69,13 @@ ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const WeakMi
         const M8 weaker = hn::And(MaskOf(d, (weak.where[layer] & bits) >> i), hn::Gt(old, above));
         change = hn::IfThenElse(weaker, weak_miss, change);
       }
-      if (delta != nullptr) {
-        const V8 hit = hn::LoadU(d, delta + at);
-        change = hn::IfThenElse(hn::Eq(hit, zero), change, hit);
+      V8 now;
+      if (delta == nullptr) {
+        now = Lower(d, old, change);
+      } else {
+        const V8 told = hn::LoadU(d, delta + at);
+        now = Update(d, old, hn::IfThenElse(hn::Eq(told, zero), change, told), hit);
       }
-      const V8 now = Update(d, old, change);
       hn::StoreU(now, d, values + at);
       difference = hn::Or(difference, hn::Xor(now, old));
       max = hn::Max(max, hn::IfThenElse(hn::Eq(now, zero), none, now));
@@ -107,7 +126,7 @@ uint64_t Miss(int8_t* values, uint64_t which, int miss_units) {
   const V8 miss = hn::Set(d, static_cast<int8_t>(-miss_units));
   for (size_t i = 0; i < 64; i += hn::Lanes(d)) {
     const V8 old = hn::LoadU(d, values + i);
-    const V8 now = Update(d, old, hn::IfThenElseZero(MaskOf(d, which >> i), miss));
+    const V8 now = Lower(d, old, hn::IfThenElseZero(MaskOf(d, which >> i), miss));
     hn::StoreU(now, d, values + i);
     changed |= BitsOf(d, hn::Ne(now, old)) << i;
   }
@@ -127,8 +146,8 @@ HWY_EXPORT(Saturated);
 }  // namespace
 
 ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
-                          const int8_t* delta, int miss_units) {
-  return HWY_DYNAMIC_DISPATCH(Apply)(values, layers, free, weak, delta, miss_units);
+                          const int8_t* delta, int miss_units, int hit_units) {
+  return HWY_DYNAMIC_DISPATCH(Apply)(values, layers, free, weak, delta, miss_units, hit_units);
 }
 
 uint32_t SaturatedOctants(const int8_t* values) {

@@ -22,9 +22,10 @@ struct WeakMisses {
 
 /// `layers` times 64 values. Where delta (may be null) is not 0, adds it; else where a bit of free (may be
 /// null for all) is set, subtracts miss_units or what `weak` says. Clamped; known evidence that cancels is
-/// held as 1.
+/// held as 1. A delta of hit_units or more is a return's: of what is positive the low
+/// bits say where in the voxel the surface lies (OccupancyField::kPlaces).
 ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
-                          const int8_t* delta, int miss_units);
+                          const int8_t* delta, int miss_units, int hit_units);
 
 /// Of the 4^3 octants of a block's 512 values, those that are as free as can be throughout. Bit x + 2 y + 4
 /// z.

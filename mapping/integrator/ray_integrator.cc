@@ -9,7 +9,6 @@
 #include "mapping/integrator/dynamic_loop.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/integrator/ray_masks.h"
-#include "mapping/integrator/surface_model.h"
 #include "mapping/integrator/voxel_walk.h"
 
 namespace atlas::mapping {
@@ -92,7 +91,7 @@ class RayIntegrator final : public ScanIntegrator<Field> {
     for (const VoxelRay& ray : rays_) Trace(ray);
     stats_.hit_ms = ThreadCpuMs() - clock;
     clock = ThreadCpuMs();
-    Apply(resolution, map);
+    Apply(map);
     stats_.fill_ms = ThreadCpuMs() - clock;
     stats_.rays = spin.scan.size();
   }
@@ -160,15 +159,15 @@ class RayIntegrator final : public ScanIntegrator<Field> {
     }
   }
 
-  void Apply(double resolution, Octree<Field>* map) {
-    const SurfaceModel model = SurfaceModel::Of(params_, resolution);
+  void Apply(Octree<Field>* map) {
     WriteRules rules;
-    rules.miss_units = static_cast<int>(std::lround(params_.miss_nats / OccupancyField::kNatsPerUnit));
+    rules.miss_units = OccupancyField::StepsOf(params_.miss_nats);
+    // The surface somewhere in the voxel.
+    rules.hit_units = OccupancyField::StepsOf(params_.hit_nats);
+    hit_units_ = rules.hit_units + OccupancyField::kPlaces / 2;
     rules.free_distance =
         static_cast<int16_t>(std::lround(truncation_voxels_ * 32767.0 / TsdfField::kWidestTruncationVoxels));
     rules.lossless = params_.lossless;
-    const float half = 0.5f * model.Depth(0.0f);
-    hit_units_ = std::clamp(static_cast<int>(model.LogOdds(half, 0.0f) + 0.5f), 1, 127);
 
     map->SetWorkers(params_.threads);
     const auto groups = masks_.ByChunk();

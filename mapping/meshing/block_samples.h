@@ -31,6 +31,11 @@ inline bool IsInside(float sample) {
 inline bool IsKnown(float sample) {
   return sample == sample;
 }
+/// Of an occupancy sample inside (OccupancyField::PlaceOf).
+inline float PlaceOf(float sample) {
+  const auto value = std::lround(sample * -static_cast<float>(OccupancyField::kMax));
+  return static_cast<float>(OccupancyField::PlaceOf(static_cast<int8_t>(value)));
+}
 
 /// Coordinates are voxels from the block's first one, in [kBegin, kEnd) on each axis.
 template <typename Field>

@@ -64,6 +64,27 @@ float CrossingShare(float first, float second) {
   return std::clamp(first / (first - second), kOffEnds, 1.0f - kOffEnds);
 }
 
+/// Depth of the surface below `p` along `inwards`, from what the voxels around `inside` tell of their places;
+/// NaN where none does. Those that face another way (the far side of a thin wall) do not count.
+float DepthAround(const BlockSamples<OccupancyField>& samples, const NodeKey& inside, const Vec3f& p,
+                  const Vec3f& inwards, float support) {
+  constexpr float kReach = 1.5f;   // of the weights, voxels (standard deviation)
+  constexpr float kFacing = 1.5f;  // this far outwards there must be free space
+  float sum = 0.0f, weight = 0.0f;
+  for (int i = 0; i < 27; ++i) {
+    const int x = inside.x + i % 3 - 1, y = inside.y + i / 3 % 3 - 1, z = inside.z + i / 9 - 1;
+    const float sample = samples.At(x, y, z);
+    if (!IsKnown(sample) || !IsInside(sample)) continue;
+    const Vec3f middle(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+    const float before = samples.Between(middle - kFacing * inwards);
+    if (!IsKnown(before) || IsInside(before)) continue;
+    const float w = -sample * std::exp(-0.5f / (kReach * kReach) * (middle - p).squaredNorm());
+    sum += w * (inwards.dot(middle - p) - support * (2.0f * PlaceOf(sample) - 1.0f));
+    weight += w;
+  }
+  return weight > 0.0f ? sum / weight : std::nanf("");
+}
+
 Vec3f Inwards(const BlockSamples<OccupancyField>& samples, const NodeKey& low, int axis, float share,
               const Vec3f& p) {
   const NodeKey high = UpperEnd(low, axis);
@@ -72,12 +93,17 @@ Vec3f Inwards(const BlockSamples<OccupancyField>& samples, const NodeKey& low, i
   const float length = gradient.norm();
   if (!(length > 0.0f)) return Vec3f::Zero();
   const Vec3f inwards = -gradient / length;
-  const bool low_inside = IsInside(samples.At(low.x, low.y, low.z));
-  const int scale =
-      low_inside ? samples.ScaleAt(low.x, low.y, low.z) : samples.ScaleAt(high.x, high.y, high.z);
-  const auto shift = static_cast<float>(OccupancyShift(inwards.cast<double>(), scale));
-  constexpr float kBeforeMiddle = 0.45f;
-  return std::min(shift, kBeforeMiddle * Thickness(samples, p, inwards, shift / kBeforeMiddle)) * inwards;
+  const NodeKey& inside = IsInside(samples.At(low.x, low.y, low.z)) ? low : high;
+  const int scale = samples.ScaleAt(inside.x, inside.y, inside.z);
+  const auto support = static_cast<float>(OccupancyShift(inwards.cast<double>(), scale));
+  float depth = support;
+  if (scale == 1) {
+    const float told = DepthAround(samples, inside, p, inwards, support);
+    if (IsKnown(told)) depth = told;
+  }
+  constexpr float kBeforeMiddle = 0.45f, kOutwards = -1.0f;
+  if (depth <= 0.0f) return std::max(depth, kOutwards) * inwards;
+  return std::min(depth, kBeforeMiddle * Thickness(samples, p, inwards, depth / kBeforeMiddle)) * inwards;
 }
 
 }  // namespace

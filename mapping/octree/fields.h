@@ -14,19 +14,28 @@
 namespace atlas::mapping {
 
 /// Log-odds occupancy in steps of 0.05 nats, int8. 0 is unknown: observed evidence that cancels is held as 1.
+/// The two low bits of an occupied voxel say where in it the surface lies (PlaceOf) and count for nothing.
 struct OccupancyField {
   using Value = int8_t;
   static constexpr double kNatsPerUnit = 0.05;
-  static constexpr int kMin = -40;  ///< p = 0.12
-  static constexpr int kMax = 70;   ///< p = 0.97
+  static constexpr int kMin = -40;   ///< p = 0.12
+  static constexpr int kMax = 71;    ///< p = 0.97
+  static constexpr int kPlaces = 4;  ///< evidence on occupied voxels comes in steps of so many units
   static constexpr const char* kName = "occupancy";
 
   static constexpr Value Unknown() { return 0; }
   static constexpr bool Known(Value v) { return v != 0; }
   static constexpr bool Occupied(Value v) { return v > 0; }
   static constexpr bool Free(Value v) { return v < 0; }
-  static double LogOdds(Value v) { return kNatsPerUnit * v; }
+  static double LogOdds(Value v) { return kNatsPerUnit * (v > 0 ? (v | (kPlaces - 1)) : v); }
   static double Probability(Value v) { return 1.0 / (1.0 + std::exp(-LogOdds(v))); }
+  /// How much of the voxel's extent along the surface's normal lies behind the surface, in (0, 1).
+  /// @pre Occupied(v).
+  static constexpr double PlaceOf(Value v) { return ((v & (kPlaces - 1)) + 0.5) / kPlaces; }
+  /// Evidence in units, whole steps, at least one.
+  static int StepsOf(double nats) {
+    return kPlaces * std::max(1, static_cast<int>(std::lround(nats / kNatsPerUnit / kPlaces)));
+  }
 
   template <int N>
   struct alignas(64) Cells {

@@ -37,6 +37,15 @@ void FillOctree(const core::Box3& box,
   Refresh(map);
 }
 
+/// Log-odds and, of occupied voxels, how much of the voxel lies behind the surface, as the octree holds them.
+inline mapping::OccupancyField::Value OccupancyAt(long units, double behind) {
+  using Field = mapping::OccupancyField;
+  units = std::clamp<long>(units, Field::kMin, Field::kMax);
+  if (units < 0) return static_cast<Field::Value>(units);
+  const long place = std::clamp<long>(static_cast<long>(4.0 * behind), 0, 3);
+  return static_cast<Field::Value>(std::max<long>(units / 4 * 4 + place, 1));
+}
+
 /// A signed distance as the octree holds it, unknown from `band_m` on.
 inline mapping::TsdfField::Value TsdfAt(double distance_m, double band_m, double resolution_m) {
   if (std::abs(distance_m) >= band_m) return {};

@@ -77,13 +77,18 @@ inline mapping::OccupancyField::Value Updated(mapping::OccupancyField::Value old
   using Field = mapping::OccupancyField;
   const double reach_m = std::clamp(params.lambda_r * seen.range_m, params.behind_min_voxels * resolution_m,
                                     params.behind_max_m);
-  const double inside_m = mapping::OccupancyShift(seen.normal, resolution_m) - seen.distance_m;
+  const double support_m = mapping::OccupancyShift(seen.normal, resolution_m);
+  const double inside_m = support_m - seen.distance_m;
   if (inside_m > reach_m || seen.past_m > reach_m) return old;
   const double ramp_m = 3.0 * std::max(params.sigma_min_m, params.lambda_sigma * seen.range_m);
-  const long step =
-      std::lround(params.miss_units * std::clamp(inside_m / ramp_m, -1.0, 0.5 * reach_m / ramp_m));
-  const long sum = std::clamp<long>(old + step, Field::kMin, Field::kMax);
-  return static_cast<Field::Value>(sum == 0 && (old != 0 || step != 0) ? 1 : sum);
+  const double evidence = params.miss_units * std::clamp(inside_m / ramp_m, -1.0, 0.5 * reach_m / ramp_m);
+  // Of what is occupied the place comes apart, and goes a quarter of the voxel at a time.
+  const double behind = inside_m / (2.0 * support_m);
+  if (old <= 0) return OccupancyAt(old + std::lround(evidence), behind);
+  const double place = Field::PlaceOf(old);
+  const double moved =
+      place + 0.25 * (evidence > 0.0 ? (behind > place + 0.125) - (behind < place - 0.125) : 0);
+  return OccupancyAt(old / 4 * 4 + 4 * std::lround(evidence / 4.0), moved);
 }
 
 /// The mean of truncated distances.

@@ -94,7 +94,7 @@ TEST(IntegratorFreeSpace, EveryVoxelThatAScanHitIsRaisedAndNeverFreed) {
     OccupancyOctree map(resolution);
     const auto integrator = MakeConeIntegrator<Field>({}, lidar);
     for (const core::SpinEvent& spin : tests::WalkThrough(room, lidar, 6, &noise)) {
-      std::vector<std::pair<Vec3, int>> before;
+      std::vector<std::pair<Vec3, int8_t>> before;
       for (size_t i = 0; i < spin.scan.size(); ++i) {
         if (spin.scan.kind[i] != core::ReturnKind::kHit || spin.scan.range_m[i] > 60.0f) continue;
         const core::Pose T =
@@ -109,8 +109,9 @@ TEST(IntegratorFreeSpace, EveryVoxelThatAScanHitIsRaisedAndNeverFreed) {
       integrator->Integrate(spin, core::Pose::Identity(), &map);
       size_t matched = 0;
       for (const auto& [p, old] : before) {
-        const int now = map.At(p);
-        if (now > old || now == Field::kMax) ++matched;
+        const int8_t now = map.At(p);
+        // But for the bits that say where in the voxel the surface is.
+        if (Field::LogOdds(now) > Field::LogOdds(old) || now > Field::kMax - Field::kPlaces) ++matched;
       }
       EXPECT_EQ(matched, before.size()) << resolution;
     }

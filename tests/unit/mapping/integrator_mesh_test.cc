@@ -24,16 +24,21 @@ void ExpectAccurate(const tests::Shot& shot, double resolution_m) {
 
 TEST(MeshOfIntegratedScans, SphereErrsByLessThanAFifthOfAVoxel) {
   ExpectAccurate<OccupancyField>(tests::ShotOfSphere(), 0.065);
+  ExpectAccurate<OccupancyField>(tests::ShotOfSphere(), 0.10);
   ExpectAccurate<TsdfField>(tests::ShotOfSphere(), 0.065);
   ExpectAccurate<TsdfField>(tests::ShotOfSphere(), 0.10);
 }
 
-TEST(MeshOfIntegratedScans, BoxOfDistancesErrsByLessThanAFifthOfAVoxel) {
+TEST(MeshOfIntegratedScans, BoxErrsByLessThanAFifthOfAVoxel) {
+  ExpectAccurate<OccupancyField>(tests::ShotOfBox(), 0.065);
+  ExpectAccurate<OccupancyField>(tests::ShotOfBox(), 0.10);
   ExpectAccurate<TsdfField>(tests::ShotOfBox(), 0.065);
   ExpectAccurate<TsdfField>(tests::ShotOfBox(), 0.10);
 }
 
-TEST(MeshOfIntegratedScans, GroundOfDistancesErrsByLessThanAFifthOfAVoxel) {
+TEST(MeshOfIntegratedScans, GroundErrsByLessThanAFifthOfAVoxel) {
+  ExpectAccurate<OccupancyField>(tests::ShotOfGround(5.0), 0.065);
+  ExpectAccurate<OccupancyField>(tests::ShotOfGround(5.0), 0.10);
   ExpectAccurate<TsdfField>(tests::ShotOfGround(5.0), 0.065);
   ExpectAccurate<TsdfField>(tests::ShotOfGround(5.0), 0.10);
 }

@@ -74,12 +74,12 @@ TEST(MeshOfField, PlaneEndsWhereObservedSpaceEnds) {
 
 /// What scans without noise leave: Eq. 4.2's ramp about the surface moved by OccupancyShift, `scans` times.
 OccupancyField::Value OccupancyAt(const tests::AnalyticShape& shape, const Vec3& p, int scans) {
-  const double behind_m = mapping::OccupancyShift(shape.Normal(p), kResolution) - shape.Distance(p);
+  const double support_m = mapping::OccupancyShift(shape.Normal(p), kResolution);
+  const double behind_m = support_m - shape.Distance(p);
   constexpr double kRamp_m = 0.045, kUnits = 8.0;
   if (behind_m > 0.13) return 0;
-  const double sum = scans * std::round(kUnits * std::clamp(behind_m / kRamp_m, -1.0, 1.0));
-  return static_cast<int8_t>(
-      sum == 0.0 ? 1 : std::clamp<double>(sum, OccupancyField::kMin, OccupancyField::kMax));
+  return tests::OccupancyAt(scans * std::lround(kUnits * std::clamp(behind_m / kRamp_m, -1.0, 1.0)),
+                            behind_m / (2.0 * support_m));
 }
 OccupancyOctree OccupancyOf(const tests::AnalyticShape& shape, const core::Box3& box, int scans) {
   OccupancyOctree map(kResolution);
@@ -99,7 +99,8 @@ TEST(MeshOfField, OccupancyIsMovedBackOntoTheSurface) {
       EXPECT_GT(ErrorOf(ExtractMesh(map, {.undo_shift = false}), *shape).bias_m, 0.5 * kResolution);
       const tests::MeshError error = ErrorOf(ExtractMesh(map, {}), *shape);
       EXPECT_LT(error.mean_m, 0.08 * kResolution);
-      EXPECT_LT(std::abs(error.bias_m), 0.04 * kResolution);
+      // Places are known to a quarter of a voxel.
+      EXPECT_LT(std::abs(error.bias_m), 0.07 * kResolution);
     }
   }
 }
