@@ -72,7 +72,8 @@ HWY_INLINE MF Within(DF d, const Vector3& p, const TrailRules& rules, float marg
   const NodeKey &low = rules.keep_min, &high = rules.keep_max;
   return hn::And(within(p.x, low.x, high.x), hn::And(within(p.y, low.y, high.y), within(p.z, low.z, high.z)));
 }
-constexpr float kReach = HitApproaches::kVoxels + 1;  ///< voxels that trails and approaches stay within
+// Voxels that trails and approaches stay within.
+constexpr float kTrailReach = kTrailBehind + 1, kApproachReach = HitApproaches::kVoxels + 1;
 
 /// Where voxels of the window are held.
 struct Home {
@@ -128,7 +129,7 @@ HWY_INLINE End EndOf(DF d, const Hits& h, const TrailRules& rules) {
   const VF last = hn::Set(d, static_cast<float>(OccupancyField::kPlaces - 1));
   const VF place = hn::Min(hn::Max(hn::Floor(hn::Mul(behind, places)), hn::Zero(d)), last);
   end.delta = hn::Add(hn::Set(di, rules.model.hit_units), hn::ConvertTo(di, place));
-  end.inside = Within(d, h.p, rules, kReach);
+  end.inside = Within(d, h.p, rules, kTrailReach);
   // The first hit in a voxel tells its place, so that no choice among many biases it.
   end.said =
       hn::IfThenElse(hn::RebindMask(di, end.inside), hn::Set(di, rules.model.hit_units), hn::Set(di, 128));

@@ -114,9 +114,12 @@ void CellsToQueue(const ScanImage& image, const float* const end[3], size_t firs
     h.support = hn::Mul(hn::LoadU(d, image.support.data() + i), inverse);
     const Vector3 w{hn::LoadU(d, end[0] + i), hn::LoadU(d, end[1] + i), hn::LoadU(d, end[2] + i)};
     Complete(d, w, frame, &h);
-    h.hit = hn::And(h.hit, Within(d, h.p, rules, -kReach));
+    const MF close = hn::Lt(h.range, hn::Set(d, rules.dense_range_voxels));
+    const MF reaches = hn::Or(Within(d, h.p, rules, -kTrailReach),
+                              hn::AndNot(close, Within(d, h.p, rules, -kApproachReach)));
+    h.hit = hn::And(h.hit, reaches);
+    const MF dense = hn::And(h.hit, close);
     StoreHits(d, w, h, lane, &group);
-    const MF dense = hn::And(h.hit, hn::Lt(h.range, hn::Set(d, rules.dense_range_voxels)));
     if (hn::AllFalse(d, dense)) {
       ends.hits |= BitsOf(d, h.hit) << lane;
       continue;

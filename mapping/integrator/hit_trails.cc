@@ -110,7 +110,7 @@ HWY_INLINE void WriteApproaches(DF d, const Hits& h, const ScanFrame& frame, con
                                 size_t lane, HitApproaches* out) {
   const Surface surface(d, rules.model, h.range);
   const Vector3 end = {hn::Floor(h.p.x), hn::Floor(h.p.y), hn::Floor(h.p.z)};
-  const bool all_kept = hn::AllTrue(d, hn::Or(Within(d, h.p, rules, kReach), hn::Not(h.hit)));
+  const bool all_kept = hn::AllTrue(d, hn::Or(Within(d, h.p, rules, kApproachReach), hn::Not(h.hit)));
   Walk back = WalkFrom(d, h.p, end, Reversed(h.along));
   MF goes_on = h.hit;
   for (int step = 0; step < HitApproaches::kVoxels; ++step) {

@@ -33,7 +33,7 @@ struct HitTrails : TrailVoxels<1 + kTrailBehind + kTrailInFront> {
 
 /// What is said of the voxels farther back along the beam, while the hit's plane is near: those that it cuts
 /// hold surface, those in front of it are free, whatever returned from around them.
-using HitApproaches = TrailVoxels<16>;
+using HitApproaches = TrailVoxels<32>;
 
 /// The hits of a group that say more than is held already: of their ends' voxels, as they were before it.
 /// @param held  of all slots, by HitTrails::place; aligned.
