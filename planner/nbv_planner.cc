@@ -317,7 +317,7 @@ NbvParams DefaultParams(const std::string& name) {
     params.window_m = 12.0;
     params.roadmap = false;
     params.distrust_m = 0.0;
-    params.stop_ratio = 0.05;
+    params.stop_ratio = 0.035;
     params.flat_share = 0.008;
   }
   params.terrain.window_m = params.window_m;

@@ -53,7 +53,7 @@ struct NbvParams {
   std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
   double time_scale_s = 60.0;            ///< continuous: travel of this long costs 1 - 1/e
   // Termination, Eq. 3.8 made scale-free.
-  double stop_ratio = 0.015;    ///< of the first view's utility
+  double stop_ratio = 0.006;    ///< of the greatest utility so far
   int stop_rounds = 4;          ///< low rounds in a row
   double flat_share = 0.010;    ///< a sweep that adds less of all surface seen so far counts as flat
   int flat_rounds = 5;          ///< flat sweeps in a row that stop whatever views promise
@@ -94,7 +94,7 @@ struct NbvDecision {
   int nodes_obtained = 0;
   int attempts = 0;
   size_t rays_traced = 0;
-  double utility_ratio = 0.0;        ///< best over the first view's
+  double utility_ratio = 0.0;        ///< best over the greatest so far
   std::vector<core::Vec2> path_map;  ///< from the robot to the view (RRT*)
   double path_length_m = 0.0;
 };

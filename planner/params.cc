@@ -46,7 +46,7 @@ void VisitTermination(core::ParamVisitor& v, NbvParams* p) {
   v.Field("stop_ratio", &p->stop_ratio,
           {.min = 0.0,
            .max = 1.0,
-           .doc = "stop below this share of the first view's utility (Eq. 3.8, scale-free)"});
+           .doc = "stop below this share of the greatest utility so far (Eq. 3.8, scale-free)"});
   v.Field("stop_rounds", &p->stop_rounds,
           {.min = 1, .max = 100, .doc = "low rounds in a row before stopping"});
   v.Field(

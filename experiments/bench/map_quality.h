@@ -17,7 +17,7 @@ namespace atlas::experiments {
 struct QualityOptions {
   double max_range_m = 60.0;
   double resolution_m = 0.065;
-  int probes_per_scan = 400;  ///< of each kind
+  int probes_per_scan = 2000;  ///< of each kind
   uint64_t seed = 7;
 };
 

@@ -33,7 +33,7 @@ struct StepRow {
   size_t rays = 0;
   double gain = 0.0;           ///< of the chosen view
   double utility = 0.0;        ///< of the chosen view, Eq. 3.1
-  double utility_ratio = 0.0;  ///< over the first view's
+  double utility_ratio = 0.0;  ///< over the greatest so far
   double path_length_m = 0.0;
   int falls = 0, collisions = 0, shank_brushes = 0;  ///< so far
   int footholds = 0, footholds_off_solid = 0;        ///< so far

@@ -1,12 +1,13 @@
 #include "planner/utility/termination.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace atlas::planner {
 
 void Termination::Observe(double best_utility, double latest_surface_share) {
-  if (first_utility_ <= 0.0) first_utility_ = best_utility;
-  ratio_ = first_utility_ > 0.0 ? best_utility / first_utility_ : 0.0;
+  greatest_utility_ = std::max(greatest_utility_, best_utility);
+  ratio_ = greatest_utility_ > 0.0 ? best_utility / greatest_utility_ : 0.0;
   flat_rounds_ = latest_surface_share < params_.flat_share ? flat_rounds_ + 1 : 0;
   low_rounds_ = ratio_ < params_.stop_ratio ? low_rounds_ + 1 : 0;
   shares_.push_back(latest_surface_share);

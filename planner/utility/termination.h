@@ -6,15 +6,15 @@
 namespace atlas::planner {
 
 struct TerminationParams {
-  double stop_ratio = 0.05;   ///< of the first view's utility
+  double stop_ratio = 0.05;   ///< of the greatest utility so far
   double flat_share = 0.008;  ///< a sweep that adds less of all surface seen so far adds nothing
   int stop_rounds = 4;        ///< low rounds in a row, over which the surface must be flat on average
   int flat_rounds = 5;        ///< flat sweeps in a row that end the mission whatever is promised
 };
 
-/// Eq. 3.8 stops when the best utility falls below a threshold; here the threshold is a share of the first
-/// view's utility, must be undercut in several rounds running, and the surface must have stopped growing over
-/// them too, by the measure that a flat coverage curve is judged by.
+/// Eq. 3.8 stops when the best utility falls below a threshold; here the threshold is a share of the greatest
+/// utility so far (the first view may see little), must be undercut in several rounds running, and the
+/// surface must have stopped growing over them too, by the measure that a flat coverage curve is judged by.
 /// A gain that never falls (occlusion aware under clamped log-odds is worth more over free space than over
 /// unknown) is overruled by a longer run of sweeps that brought nothing.
 class Termination {
@@ -28,8 +28,8 @@ class Termination {
   }
   /// Whether a plan that promises nothing ends the mission: the first one does, and one that low rounds led
   /// up to. Another may come too early: what earlier sweeps promised has only just been seen.
-  bool NothingLeft() const { return first_utility_ <= 0.0 || low_rounds_ >= params_.stop_rounds; }
-  /// Latest best utility over the first one's.
+  bool NothingLeft() const { return greatest_utility_ <= 0.0 || low_rounds_ >= params_.stop_rounds; }
+  /// Latest best utility over the greatest so far.
   double ratio() const { return ratio_; }
 
  private:
@@ -37,7 +37,7 @@ class Termination {
   bool Flat() const;
 
   TerminationParams params_;
-  double first_utility_ = 0.0;
+  double greatest_utility_ = 0.0;
   double ratio_ = 0.0;
   int low_rounds_ = 0, flat_rounds_ = 0;
   std::deque<double> shares_;  ///< the last stop_rounds sweeps'

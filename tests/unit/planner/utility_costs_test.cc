@@ -107,6 +107,15 @@ TEST(Termination, DoesNotDependOnTheGainsScale) {
   }
 }
 
+TEST(Termination, MeasuresByTheGreatestUtilityNotByAPoorFirstView) {
+  Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
+  for (const double u : {5.0, 100.0, 3.0}) t.Observe(u, 0.0);
+  EXPECT_NEAR(t.ratio(), 0.03, 1e-12);
+  EXPECT_FALSE(t.Exhausted());
+  t.Observe(3.0, 0.0);
+  EXPECT_TRUE(t.Exhausted());
+}
+
 TEST(Termination, TheSurfaceMustBeFlatOverTheLowRoundsOnAverage) {
   Termination t({.stop_ratio = 0.05, .flat_share = 0.015, .stop_rounds = 2, .flat_rounds = 100});
   t.Observe(100.0, 1.0);
