@@ -19,7 +19,7 @@ struct NamedParams {
 };
 
 struct MissionParams {
-  int max_scans = 40;
+  int max_scans = 60;
   double max_time_s = 2700.0;
   double max_distance_m = 300.0;
   double planning_latency_s = 1.0;     ///< simulated time a plan takes, whatever the machine

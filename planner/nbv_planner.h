@@ -53,9 +53,9 @@ struct NbvParams {
   std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
   double time_scale_s = 60.0;            ///< continuous: travel of this long costs 1 - 1/e
   // Termination, Eq. 3.8 made scale-free.
-  double stop_ratio = 0.006;    ///< of the greatest utility so far
-  int stop_rounds = 4;          ///< low rounds in a row
-  double flat_share = 0.010;    ///< a sweep that adds less of all surface seen so far counts as flat
+  double stop_ratio = 0.005;    ///< of the greatest utility so far, mean over stop_rounds
+  int stop_rounds = 4;          ///< rounds that count
+  double flat_share = 0.012;    ///< a sweep that adds less of all surface seen so far counts as flat
   int flat_rounds = 5;          ///< flat sweeps in a row that stop whatever views promise
   double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
   int blacklist_after = 2;      ///< views that gained nothing here so often are dropped

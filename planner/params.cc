@@ -46,9 +46,9 @@ void VisitTermination(core::ParamVisitor& v, NbvParams* p) {
   v.Field("stop_ratio", &p->stop_ratio,
           {.min = 0.0,
            .max = 1.0,
-           .doc = "stop below this share of the greatest utility so far (Eq. 3.8, scale-free)"});
+           .doc = "stop where utility falls below this share of the greatest so far (Eq. 3.8, scale-free)"});
   v.Field("stop_rounds", &p->stop_rounds,
-          {.min = 1, .max = 100, .doc = "low rounds in a row before stopping"});
+          {.min = 1, .max = 100, .doc = "latest rounds over which utility must be low and the surface flat"});
   v.Field(
       "flat_share", &p->flat_share,
       {.min = 0.0, .max = 1.0, .doc = "a sweep that adds less of the surface seen so far counts as flat"});

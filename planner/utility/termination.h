@@ -8,12 +8,12 @@ namespace atlas::planner {
 struct TerminationParams {
   double stop_ratio = 0.05;   ///< of the greatest utility so far
   double flat_share = 0.008;  ///< a sweep that adds less of all surface seen so far adds nothing
-  int stop_rounds = 4;        ///< low rounds in a row, over which the surface must be flat on average
+  int stop_rounds = 4;        ///< the latest rounds, over which utility must be low and the surface flat
   int flat_rounds = 5;        ///< flat sweeps in a row that end the mission whatever is promised
 };
 
 /// Eq. 3.8 stops when the best utility falls below a threshold; here the threshold is a share of the greatest
-/// utility so far (the first view may see little), must be undercut in several rounds running, and the
+/// utility so far (the first view may see little), must be undercut over several rounds on average, and the
 /// surface must have stopped growing over them too, by the measure that a flat coverage curve is judged by.
 /// A gain that never falls (occlusion aware under clamped log-odds is worth more over free space than over
 /// unknown) is overruled by a longer run of sweeps that brought nothing.
@@ -23,24 +23,23 @@ class Termination {
 
   /// One plan: its best utility and the share of surface that the latest sweep added.
   void Observe(double best_utility, double latest_surface_share);
-  bool Exhausted() const {
-    return (low_rounds_ >= params_.stop_rounds && Flat()) || flat_rounds_ >= params_.flat_rounds;
-  }
+  bool Exhausted() const { return (Low() && Flat()) || flat_rounds_ >= params_.flat_rounds; }
   /// Whether a plan that promises nothing ends the mission: the first one does, and one that low rounds led
   /// up to. Another may come too early: what earlier sweeps promised has only just been seen.
-  bool NothingLeft() const { return greatest_utility_ <= 0.0 || low_rounds_ >= params_.stop_rounds; }
+  bool NothingLeft() const { return greatest_utility_ <= 0.0 || Low(); }
   /// Latest best utility over the greatest so far.
   double ratio() const { return ratio_; }
 
  private:
-  /// Whether the last stop_rounds sweeps were flat on average.
+  /// Whether the last stop_rounds plans promised little on average, and sweeps added little.
+  bool Low() const;
   bool Flat() const;
 
   TerminationParams params_;
   double greatest_utility_ = 0.0;
   double ratio_ = 0.0;
-  int low_rounds_ = 0, flat_rounds_ = 0;
-  std::deque<double> shares_;  ///< the last stop_rounds sweeps'
+  int flat_rounds_ = 0;
+  std::deque<double> ratios_, shares_;  ///< of the last stop_rounds
 };
 
 }  // namespace atlas::planner
