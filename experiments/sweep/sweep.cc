@@ -14,6 +14,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "experiments/report/mapper_pairs.h"
 #include "experiments/report/tables.h"
 #include "experiments/sweep/child_process.h"
 #include "experiments/sweep/slurm.h"
@@ -203,6 +204,20 @@ void Validate(const std::vector<SweepRun>& runs, const SweepOptions& options) {
   }
 }
 
+std::vector<RunWithCurve> WithCurves(const std::vector<SweepRun>& runs) {
+  std::vector<RunWithCurve> with;
+  for (const SweepRun& run : runs) {
+    const auto summary = FinishedRun(run);
+    if (!summary) continue;
+    try {
+      with.push_back({*summary, LoadCoverageCurve(run.folder)});
+    } catch (const core::InputError&) {
+      continue;  // a damaged curve costs its pair, not the table
+    }
+  }
+  return with;
+}
+
 /// Table with mean and spread, its files, and what did not end well. Returns the exit code.
 int Conclude(const std::vector<SweepRun>& runs, const fs::path& folder, std::ostream& out) {
   std::vector<LabelledRun> finished;
@@ -227,6 +242,13 @@ int Conclude(const std::vector<SweepRun>& runs, const fs::path& folder, std::ost
   core::WriteFileAtomically(folder / "runs.csv", ToCsv(RunsTable(summaries)));
   core::WriteFileAtomically(folder / "statistics.csv", ToCsv(StatisticsTable(groups)));
   if (!finished.empty()) out << "\n" << CoverageTable(groups);
+  const TextTable pairs = MapperPairsTable(WithCurves(runs));
+  if (!pairs.rows.empty()) {
+    core::WriteFileAtomically(folder / "pairs.md", ToMarkdown(pairs));
+    out << "\nSE-Atlas against OctoMap, mean over pairs of runs with the same seed: difference of coverage "
+           "in points and of scans, ratio of times.\n"
+        << ToTerminal(pairs);
+  }
   if (!bad.empty()) out << fmt::format("\n{} of {} runs did not end well:\n", bad.size(), runs.size());
   for (const std::string& line : bad) out << "  " << line << "\n";
   out << fmt::format("\ntables: {}\n", (folder / "table.{md,csv,tex}").string());

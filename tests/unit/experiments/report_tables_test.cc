@@ -1,3 +1,4 @@
+#include "experiments/report/mapper_pairs.h"
 #include "experiments/report/tables.h"
 
 #include <gtest/gtest.h>
@@ -204,6 +205,31 @@ TEST_F(ReportTest, FoldersWithoutAnyRunAreBadInput) {
   EXPECT_THROW(RunReport({root_}, root_, log), core::InputError);
   EXPECT_THROW(RunReport({root_ / "absent"}, root_, log), core::InputError);
   EXPECT_THROW(RunReport({}, root_, log), core::InputError);
+}
+
+TEST(MapperPairs, AreComparedAtTheirEndsAndAfterEqualScans) {
+  const auto run = [](const std::string& mapper, uint64_t seed, std::vector<double> coverage, double nbv_s) {
+    RunWithCurve run;
+    run.summary = RunOf("car", seed, coverage.back());
+    run.summary.mapper = mapper;
+    run.summary.nbv_time_s_mean = nbv_s;
+    run.curve.coverage = std::move(coverage);
+    return run;
+  };
+  const std::vector<RunWithCurve> runs = {
+      run("octomap", 1, {0.2, 0.5, 0.8}, 1.0), run("se_atlas", 1, {0.3, 0.6}, 0.5),
+      run("octomap", 2, {0.2, 0.4}, 1.0), run("se_atlas", 2, {0.2, 0.5, 0.7}, 1.0),
+      run("se_atlas", 3, {0.2, 0.5, 0.7}, 1.0)};
+  const TextTable table = MapperPairsTable(runs);
+  ASSERT_EQ(table.rows.size(), 1u);
+  const std::vector<std::string>& row = table.rows[0];
+  EXPECT_EQ(row[0], "car");
+  EXPECT_EQ(row[3], "2");
+  EXPECT_EQ(row[4], "+5.00");   // (-20 + 30) / 2
+  EXPECT_EQ(row[5], "+10.00");  // (10 + 10) / 2
+  EXPECT_EQ(row[6], "+0.0");
+  EXPECT_EQ(row[8], "0.75");
+  EXPECT_TRUE(MapperPairsTable({runs[0], runs[2]}).rows.empty());
 }
 
 }  // namespace
