@@ -25,9 +25,8 @@ IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3
   integrator.void_rays = params.void_rays;
   integrator.void_range_m = params.void_range_m;
   integrator.region_map = region;
-  // Sweeps from near by: what is wrongly held is cleared sooner than from afar.
-  integrator.edge_nats = 0.1;
-  integrator.pierce_voxels = 0.5;
+  // Sweeps from near by: what is held without a return is cleared sooner than from afar.
+  integrator.near_nats = 0.2;
   // Behind a surface that ends, evidence would hide what the next view is to find.
   integrator.behind_max_m = integrator.behind_min_voxels * params.resolution_m;
   return integrator;

@@ -31,7 +31,7 @@ struct IntegratorParams {
   // Evidence a scan, rounded to steps of 0.2 nats (OccupancyField::kPlaces):
   double miss_nats = 0.4;  ///< -L_min
   double hit_nats = 0.8;   ///< of the voxel that holds a return
-  double near_nats = 0.2;  ///< at most, of others that the surface reaches; less than hit_nats
+  double near_nats = 0.4;  ///< at most, of others that the surface reaches; less than hit_nats
   double edge_nats = 0.2;  ///< an occupied voxel that is free only at a surface's edge loses this
   double pierce_voxels =
       0.5;  ///< a beam clears voxels whose middle it passes this near, whatever ends around

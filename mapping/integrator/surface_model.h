@@ -10,7 +10,7 @@ namespace atlas::mapping {
 struct SurfaceModel {
   float miss_units = 8.0f;        ///< -L_min
   int hit_units = 16;             ///< of the voxel that holds the return
-  int near_units = 4;             ///< at most, of others that the surface reaches
+  int near_units = 8;             ///< at most, of others that the surface reaches
   float sigma_min_voxels = 0.3f;  ///< sigma(d) = max(sigma_min, lambda_sigma d)
   float lambda_sigma = 0.0005f;
   float lambda_r = 0.02f;          ///< occupied depth behind the surface, a share of the range ...
