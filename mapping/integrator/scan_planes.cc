@@ -9,6 +9,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/parallel_for.h"
 #include "mapping/integrator/project-inl.h"
 #include "mapping/integrator/scan_image.h"
@@ -22,6 +25,7 @@ constexpr int kWidestColumns = 8, kWidestRows = 4;
 constexpr float kBendShare = 0.25f;    ///< of the slopes: what two sides of one plane may differ by
 constexpr float kRangeNoiseM = 0.06f;  ///< of a second difference of ranges
 constexpr float kStepSlope = 4.0f;     ///< steeper on both sides, apart: a thin thing or a gap
+constexpr float kLeastAngle = 1e-3f;   ///< between rows
 constexpr float kGrazing = 60.0f;      ///< greatest 1 / cos(incidence) that counts
 
 /// d(range) / d(angle) / range on one side, where that side has a hit.
@@ -30,29 +34,38 @@ struct Side {
   MF hit;
 };
 
-/// Ranges in a row `down` rows below `row` and `along` columns beside `column` on; not hits outside the
-/// image. Steps that all lanes share, as far away, are loads.
-HWY_INLINE VF RangeAt(DF d, const ScanImage& image, int row, size_t column, VI down, VI along) {
+/// value(k) where steps are k, powers of two up to `widest`: mostly all share one.
+template <typename Value>
+HWY_INLINE VF ByStep(DF d, VI steps, int widest, const Value& value) {
   const DI di;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int down_all = hn::GetLane(down), along_all = hn::GetLane(along);
-  const bool shared =
-      hn::AllTrue(di, hn::And(hn::Eq(down, hn::Set(di, down_all)), hn::Eq(along, hn::Set(di, along_all))));
-  const int first = static_cast<int>(column) + along_all;
-  if (shared && first >= 0 && first + lanes <= image.columns) {
-    const int at = row + down_all;
-    if (at < 0 || at >= image.rows) return hn::Zero(d);
-    return hn::LoadU(d, image.range.data() + static_cast<size_t>(at) * static_cast<size_t>(image.columns) +
-                            static_cast<size_t>(first));
+  const int first = hn::GetLane(steps);
+  VF out = value(first);
+  const auto others = hn::Ne(steps, hn::Set(di, first));
+  if (hn::AllFalse(di, others)) return out;
+  for (int k = 1; k <= widest; k *= 2) {
+    const auto here = hn::And(others, hn::Eq(steps, hn::Set(di, k)));
+    if (!hn::AllFalse(di, here)) out = hn::IfThenElse(hn::RebindMask(d, here), value(k), out);
   }
+  return out;
+}
+
+/// Ranges `along` columns beside `column` on, across the seam too.
+HWY_INLINE VF RangeBeside(DF d, const ScanImage& image, int row, size_t column, int along) {
+  const DI di;
+  const float* ranges = image.range.data() + static_cast<size_t>(row) * static_cast<size_t>(image.columns);
+  const int first = static_cast<int>(column) + along;
+  if (first >= 0 && first + static_cast<int>(hn::Lanes(d)) <= image.columns)
+    return hn::LoadU(d, ranges + first);
   const VI columns = hn::Set(di, image.columns);
-  VI c = hn::Add(hn::Iota(di, static_cast<int>(column)), along);
+  VI c = hn::Iota(di, first);
   c = hn::IfThenElse(hn::Lt(c, hn::Zero(di)), hn::Add(c, columns), c);
   c = hn::IfThenElse(hn::Gt(c, hn::Set(di, image.columns - 1)), hn::Sub(c, columns), c);
-  const VI r = hn::Add(hn::Set(di, row), down);
-  const VI clamped = hn::Min(hn::Max(r, hn::Zero(di)), hn::Set(di, image.rows - 1));
-  const VF range = hn::GatherIndex(d, image.range.data(), hn::Add(hn::Mul(clamped, columns), c));
-  return hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(r, clamped)), range);
+  return hn::GatherIndex(d, ranges, c);
+}
+/// Ranges `down` rows below; not hits outside the image.
+HWY_INLINE VF RangeBelow(DF d, const ScanImage& image, int row, size_t column, int down) {
+  if (row + down < 0 || row + down >= image.rows) return hn::Zero(d);
+  return RangeBeside(d, image, row + down, column, 0);
 }
 
 /// @param per_angle  1 over the angle to the neighbour, negative where it lies towards smaller angle.
@@ -93,32 +106,35 @@ struct Slopes {
 };
 
 HWY_INLINE Slopes SlopesOf(DF d, const ScanImage& image, int row, size_t column, VF range) {
-  const DI di;
   const BeamGrid& grid = *image.grid;
   const auto at = static_cast<size_t>(row);
   const VF q = hn::Div(hn::Set(d, 1.0f), range);
-  const VI zero = hn::Zero(di), this_row = hn::Set(di, row);
-
   const float pitch_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at];
   const VI ku = StepsFor(d, q, pitch_u, kWidestColumns);
   const VF one = hn::Set(d, 1.0f);
   const VF per_u = hn::Div(one, hn::Mul(hn::ConvertTo(d, ku), hn::Set(d, pitch_u)));
-  const Side right = SlopeTo(d, range, RangeAt(d, image, row, column, zero, ku), per_u);
-  const Side left = SlopeTo(d, range, RangeAt(d, image, row, column, zero, hn::Neg(ku)), hn::Neg(per_u));
+  const auto beside = [&](int sign) {
+    return ByStep(d, ku, kWidestColumns, [&](int k) { return RangeBeside(d, image, row, column, sign * k); });
+  };
+  const Side right = SlopeTo(d, range, beside(1), per_u);
+  const Side left = SlopeTo(d, range, beside(-1), hn::Neg(per_u));
 
   const VI kv = StepsFor(d, q, grid.row_pitch_rad[at], kWidestRows);
-  const VI last = hn::Set(di, image.rows - 1);
-  const VF elevation = hn::Set(d, grid.elevation_rad[at]);
-  const VF none = hn::Set(d, 1e-3f);
-  const VI up = hn::Sub(this_row, kv), down = hn::Add(this_row, kv);
-  const VF angle_up = hn::Max(
-      none, hn::Sub(hn::GatherIndex(d, grid.elevation_rad.data(), hn::Max(up, hn::Zero(di))), elevation));
-  const VF angle_down =
-      hn::Max(none, hn::Sub(elevation, hn::GatherIndex(d, grid.elevation_rad.data(), hn::Min(down, last))));
-  const VF per_up = hn::Div(one, angle_up), per_down = hn::Div(one, angle_down);
-  const Side above = SlopeTo(d, range, RangeAt(d, image, row, column, hn::Neg(kv), zero), per_up);
-  const Side below = SlopeTo(d, range, RangeAt(d, image, row, column, kv, zero), hn::Neg(per_down));
-  const VF per_v = hn::Div(hn::Set(d, 2.0f), hn::Add(angle_up, angle_down));
+  const auto angle = [&](int k) {
+    const auto other = static_cast<size_t>(std::clamp(row + k, 0, image.rows - 1));
+    return std::max(kLeastAngle, std::abs(grid.elevation_rad[at] - grid.elevation_rad[other]));
+  };
+  const auto below_by = [&](int sign) {
+    return ByStep(d, kv, kWidestRows, [&](int k) { return RangeBelow(d, image, row, column, sign * k); });
+  };
+  const auto per_angle = [&](int sign) {
+    return ByStep(d, kv, kWidestRows,
+                  [&](int k) { return hn::Set(d, -1.0f * static_cast<float>(sign) / angle(sign * k)); });
+  };
+  const Side above = SlopeTo(d, range, below_by(-1), per_angle(-1));
+  const Side below = SlopeTo(d, range, below_by(1), per_angle(1));
+  const VF per_v =
+      ByStep(d, kv, kWidestRows, [&](int k) { return hn::Set(d, 2.0f / (angle(k) + angle(-k))); });
   return {JoinSides(d, right, left, q, per_u), JoinSides(d, above, below, q, per_v)};
 }
 

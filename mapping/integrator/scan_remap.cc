@@ -59,13 +59,15 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
 
   VectorPoint end = direction;
   if (poses.moving) {
-    const VectorPoint turned = Undistort(d, poses, column, i, direction, false);
-    const VectorPoint point = Undistort(
+    end = Undistort(
         d, poses, column, i,
         {hn::Mul(direction.x, measured), hn::Mul(direction.y, measured), hn::Mul(direction.z, measured)},
         true);
-    end = {hn::IfThenElse(hit, point.x, turned.x), hn::IfThenElse(hit, point.y, turned.y),
-           hn::IfThenElse(hit, point.z, turned.z)};
+    if (!hn::AllTrue(d, hit)) {
+      const VectorPoint turned = Undistort(d, poses, column, i, direction, false);
+      end = {hn::IfThenElse(hit, end.x, turned.x), hn::IfThenElse(hit, end.y, turned.y),
+             hn::IfThenElse(hit, end.z, turned.z)};
+    }
   } else {
     const VF scale = hn::IfThenElse(hit, measured, hn::Set(d, 1.0f));
     end = {hn::Mul(direction.x, scale), hn::Mul(direction.y, scale), hn::Mul(direction.z, scale)};
@@ -78,7 +80,7 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
   const VF safe_x = hn::IfThenElseZero(pointed, end.x), safe_y = hn::IfThenElseZero(pointed, end.y),
            safe_z = hn::IfThenElseZero(pointed, end.z);
   const VF u = ColumnOf(d, *image->grid, safe_x, safe_y);
-  const VF v = RowOf(d, *image->grid, hn::Div(safe_z, safe_r));
+  const VF v = RowOfAlike(d, *image->grid, hn::Div(safe_z, safe_r));
 
   const VF limit = hn::Set(d, options.max_range_m);
   const MF near_hit = hn::And(hit, hn::Le(r, limit));
@@ -94,10 +96,11 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
   };
   store(hn::IfThenElse(pointed, u, hn::Set(d, -1.0f)), image->ray_u);
   store(v, image->ray_v);
-  const VF length = hn::IfThenElse(near_hit, hn::Set(d, 1.0f), safe_r);
-  store(hn::Div(safe_x, length), image->ray_x);
-  store(hn::Div(safe_y, length), image->ray_y);
-  store(hn::Div(safe_z, length), image->ray_z);
+  VF shorter = hn::Set(d, 1.0f);
+  if (!hn::AllTrue(d, near_hit)) shorter = hn::IfThenElse(near_hit, shorter, hn::Div(shorter, safe_r));
+  store(hn::Mul(safe_x, shorter), image->ray_x);
+  store(hn::Mul(safe_y, shorter), image->ray_y);
+  store(hn::Mul(safe_z, shorter), image->ray_z);
   store(hn::IfThenElseZero(pointed, range), image->ray_range);
 }
 
@@ -133,58 +136,79 @@ HWY_INLINE void BinRay(size_t i, ScanImage* image) {
     const float eu = u_off * per_u, ev = v_off * grid.row_pitch_rad[row];
     return eu * eu + ev * ev;
   };
-  if (apart(du, dv) >= apart(bins.du[bin], bins.dv[bin])) return;
+  const float e = apart(du, dv), held = apart(bins.du[bin], bins.dv[bin]);
+  if (e > held || (e == held && bins.ray[bin] < static_cast<int32_t>(i))) return;
   bins.du[bin] = du;
   bins.dv[bin] = dv;
   bins.ray[bin] = static_cast<int32_t>(i);
 }
 
-/// The same for Lanes(d) rays at once where they fall into cells side by side; false where they do not.
-HWY_INLINE bool BinAdjacent(DF d, size_t i, ScanImage* image) {
+/// Calls visit(at of lane 0, lanes) for sets of lanes, a bit each, whose `at` grows by one from lane to lane,
+/// until all of `wanted` had their turn.
+template <typename Visit>
+HWY_INLINE void ForRuns(DF d, VI at, MF wanted, const Visit& visit) {
+  const DI di;
+  alignas(64) int32_t first[kGroup];
+  const VI from = hn::Sub(at, hn::Iota(di, 0));
+  hn::Store(from, di, first);
+  for (uint32_t left = BitsOf(d, wanted); left != 0;) {
+    const int32_t next = first[__builtin_ctz(left)];
+    const uint32_t run = BitsOf(d, hn::RebindMask(d, hn::Eq(from, hn::Set(di, next)))) & left;
+    left &= ~run;
+    visit(next, run);
+  }
+}
+
+/// Lanes(d) rays. Those that fall into cells side by side, as nearly all do, go there together.
+HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
   const DI di;
   const BeamGrid& grid = *image->grid;
   ScanImage::Bins& bins = image->bins;
   const VF half = hn::Set(d, 0.5f), zero = hn::Zero(d);
   const VF u = hn::LoadU(d, image->ray_u.data() + i), v = hn::LoadU(d, image->ray_v.data() + i);
-  const int row = static_cast<int>(hn::GetLane(v) + 0.5f), column = static_cast<int>(hn::GetLane(u) + 0.5f);
-  const int last = column + static_cast<int>(hn::Lanes(d)) - 1;
-  if (!(hn::GetLane(v) >= -0.5f) || row >= image->rows || last >= image->columns) return false;
-  const VF v_up = hn::Add(v, half), u_up = hn::Add(u, half);
-  const VF rows = hn::Set(d, static_cast<float>(row));
-  const VF columns = hn::Add(hn::Set(d, static_cast<float>(column)), hn::Iota(d, 0.0f));
-  const MF in_row = hn::And(hn::Ge(v_up, zero), hn::Eq(hn::Floor(v_up), rows));
-  if (!hn::AllTrue(d, hn::And(in_row, hn::And(hn::Ge(u, zero), hn::Eq(hn::Floor(u_up), columns)))))
-    return false;
-  if (!image->Filled(static_cast<size_t>(column)) && !image->Filled(static_cast<size_t>(last))) {
-    const hn::Rebind<uint8_t, DI> d8;
-    hn::StoreU(hn::Set(d8, 1), d8, image->taken.data() + i);
-    return true;
-  }
-  const auto at = static_cast<size_t>(row);
-  const VF du = hn::Sub(u, columns), dv = hn::Sub(v, rows);
-  const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
-  const VF per_v = hn::Set(d, grid.row_pitch_rad[at]);
-  const auto apart = [&](VF u_off, VF v_off) {
-    const VF eu = hn::Mul(u_off, per_u), ev = hn::Mul(v_off, per_v);
-    return hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev));
-  };
-  const size_t bin = at * bins.pitch + static_cast<size_t>(column) + 1;
-  const VF held = apart(hn::LoadU(d, bins.du.data() + bin), hn::LoadU(d, bins.dv.data() + bin));
-  const MF nearer = hn::Lt(apart(du, dv), held);
-  hn::BlendedStore(du, nearer, d, bins.du.data() + bin);
-  hn::BlendedStore(dv, nearer, d, bins.dv.data() + bin);
-  hn::BlendedStore(hn::Iota(di, static_cast<int>(i)), hn::RebindMask(di, nearer), di, bins.ray.data() + bin);
-  return true;
+  const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
+  const MF in = hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, hn::Neg(half))),
+                        hn::Lt(row, hn::Set(d, static_cast<float>(image->rows))));
+  const VF du = hn::Sub(u, column), dv = hn::Sub(v, row);
+  const VF columns = hn::Set(d, static_cast<float>(image->columns));
+  const VF wrapped = hn::IfThenElse(hn::Lt(column, columns), column, hn::Sub(column, columns));
+  // Exact: images have fewer than 2^24 cells.
+  const VF bin = hn::Add(hn::Mul(hn::IfThenElseZero(in, row), hn::Set(d, static_cast<float>(bins.pitch))),
+                         hn::Add(wrapped, hn::Set(d, 1.0f)));
+  const VI rays = hn::Iota(di, static_cast<int>(i));
+  ForRuns(d, hn::ConvertTo(di, bin), in, [&](int32_t first, uint32_t run) {
+    const auto lane = static_cast<int32_t>(__builtin_ctz(run));
+    const auto to = static_cast<size_t>(first), at = static_cast<size_t>(first + lane) / bins.pitch;
+    const size_t left = static_cast<size_t>(first + lane) % bins.pitch - 1;
+    const auto last = left + static_cast<size_t>(31 - __builtin_clz(run) - lane);
+    if (first < 0 || to + hn::Lanes(d) > bins.du.size() || !image->Filled(left) || !image->Filled(last)) {
+      for (; run != 0; run &= run - 1) BinRay(i + static_cast<size_t>(__builtin_ctz(run)), image);
+      return;
+    }
+    const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
+    const VF per_v = hn::Set(d, grid.row_pitch_rad[at]);
+    const auto apart = [&](VF u_off, VF v_off) {
+      const VF eu = hn::Mul(u_off, per_u), ev = hn::Mul(v_off, per_v);
+      return hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev));
+    };
+    const VF held = apart(hn::LoadU(d, bins.du.data() + to), hn::LoadU(d, bins.dv.data() + to));
+    const VF e = apart(du, dv);
+    const MF first_of_equals =
+        hn::And(hn::Eq(e, held), hn::RebindMask(d, hn::Lt(rays, hn::LoadU(di, bins.ray.data() + to))));
+    const uint64_t bits = run;
+    const MF nearer = hn::And(hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits)),
+                              hn::Or(hn::Lt(e, held), first_of_equals));
+    hn::BlendedStore(du, nearer, d, bins.du.data() + to);
+    hn::BlendedStore(dv, nearer, d, bins.dv.data() + to);
+    hn::BlendedStore(rays, hn::RebindMask(di, nearer), di, bins.ray.data() + to);
+  });
 }
 
 void BinScan(ScanImage* image) {
   const DF d;
   const size_t lanes = hn::Lanes(d), rays = image->ray_u.size();
   size_t i = 0;
-  for (; i + lanes <= rays; i += lanes) {
-    if (BinAdjacent(d, i, image)) continue;
-    for (size_t lane = 0; lane < lanes; ++lane) BinRay(i + lane, image);
-  }
+  for (; i + lanes <= rays; i += lanes) BinVector(d, i, image);
   for (; i < rays; ++i) BinRay(i, image);
 }
 
@@ -232,38 +256,48 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
   const size_t i = at * static_cast<size_t>(image->columns) + column;
   hn::StoreU(PackOffsets(d, best_du, best_dv), di, image->offset.data() + i);
   hn::StoreU(best_ray, di, image->cell_ray.data() + i);
-  // Where the rays of cells side by side lie side by side, as nearly everywhere, their values do.
-  const int first = hn::GetLane(best_ray);
-  const bool adjacent = first >= 0 && hn::AllTrue(di, hn::Eq(best_ray, hn::Iota(di, first)));
-  const MF matched = hn::RebindMask(d, hn::Gt(best_ray, hn::Set(di, -1)));
-  const VI ray = hn::Max(best_ray, hn::Zero(di));
-  const auto fetch = [&](const std::vector<float>& from) {
-    return adjacent ? hn::LoadU(d, from.data() + first) : hn::GatherIndex(d, from.data(), ray);
-  };
-  const VF range = hn::IfThenElseZero(matched, fetch(image->ray_range));
+  VF range = hn::Zero(d), x = range, y = range, z = range;
+  ForRuns(d, best_ray, hn::RebindMask(d, hn::Gt(best_ray, hn::Set(di, -1))),
+          [&](int32_t first, uint32_t run) {
+            const uint64_t bits = run;
+            const MF mask = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
+            const auto from = static_cast<size_t>(first);
+            const bool within = first >= 0 && from + hn::Lanes(d) <= image->ray_range.size();
+            const auto fetch = [&](const std::vector<float>& rays, VF* to) {
+              const VF values = within ? hn::LoadU(d, rays.data() + from)
+                                       : hn::GatherIndex(d, rays.data(), hn::Max(best_ray, hn::Zero(di)));
+              *to = hn::IfThenElse(mask, values, *to);
+            };
+            fetch(image->ray_range, &range);
+            fetch(image->ray_x, &x);
+            fetch(image->ray_y, &y);
+            fetch(image->ray_z, &z);
+          });
   hn::StoreU(range, d, image->range.data() + i);
-  hn::StoreU(fetch(image->ray_x), d, image->x.data() + i);
-  hn::StoreU(fetch(image->ray_y), d, image->y.data() + i);
-  hn::StoreU(fetch(image->ray_z), d, image->z.data() + i);
+  hn::StoreU(x, d, image->x.data() + i);
+  hn::StoreU(y, d, image->y.data() + i);
+  hn::StoreU(z, d, image->z.data() + i);
   return hn::Abs(range);
 }
 
 /// Marks the rays that cells chose.
 void MarkTaken(ScanImage* image) {
+  const DF d;
   const DI di;
   const hn::Rebind<uint8_t, DI> d8;
   const size_t lanes = hn::Lanes(di), columns = static_cast<size_t>(image->columns);
   const auto one = hn::Set(d8, 1);
   const auto mark = [&](size_t at) {
     const VI rays = hn::LoadU(di, image->cell_ray.data() + at);
-    const int first = hn::GetLane(rays);
-    if (first >= 0 && hn::AllTrue(di, hn::Eq(rays, hn::Iota(di, first)))) {
-      hn::StoreU(one, d8, image->taken.data() + first);
-      return;
-    }
-    for (size_t k = at; k < at + lanes; ++k) {
-      if (image->cell_ray[k] >= 0) image->taken[static_cast<size_t>(image->cell_ray[k])] = 1;
-    }
+    ForRuns(d, rays, hn::RebindMask(d, hn::Gt(rays, hn::Set(di, -1))), [&](int32_t first, uint32_t run) {
+      if (first < 0 || static_cast<size_t>(first) + lanes > image->taken.size()) {
+        for (; run != 0; run &= run - 1) image->taken[static_cast<size_t>(first + __builtin_ctz(run))] = 1;
+        return;
+      }
+      const uint64_t bits = run;
+      hn::BlendedStore(one, hn::LoadMaskBits(d8, reinterpret_cast<const uint8_t*>(&bits)), d8,
+                       image->taken.data() + first);
+    });
   };
   for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
     ForColumns(*image, lanes, [&](size_t column) { mark(row * columns + column); });
