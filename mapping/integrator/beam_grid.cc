@@ -1,5 +1,6 @@
 #include "mapping/integrator/beam_grid.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -19,19 +20,46 @@ double RowOfElevation(const std::vector<double>& descending, double elevation) {
   return static_cast<double>(below - 1) + (upper - elevation) / (upper - lower);
 }
 
+constexpr double kBeyondRad =
+    0.15;  ///< of the table, so that rows grow evenly where cubes are cut by the grid
+
 void FillRowTable(const std::vector<double>& descending, BeamGrid* grid) {
   const size_t last = descending.size() - 1;
-  const double top = std::min(descending[0] + (descending[0] - descending[1]), 0.5 * core::kPi);
-  const double bottom =
-      std::max(descending[last] - (descending[last - 1] - descending[last]), -0.5 * core::kPi);
+  const double above = std::max(kBeyondRad, descending[0] - descending[1]);
+  const double below = std::max(kBeyondRad, descending[last - 1] - descending[last]);
+  const double top = std::min(descending[0] + above, 0.5 * core::kPi);
+  const double bottom = std::max(descending[last] - below, -0.5 * core::kPi);
   const double sin_min = std::sin(bottom), sin_max = std::sin(top);
   grid->sin_min = static_cast<float>(sin_min);
+  grid->sin_max = static_cast<float>(sin_max);
   grid->intervals_per_sin = static_cast<float>(BeamGrid::kTableIntervals / (sin_max - sin_min));
   grid->row_of_sin.resize(BeamGrid::kTableIntervals + 1);
   for (int i = 0; i <= BeamGrid::kTableIntervals; ++i) {
     const double sine = std::clamp(sin_min + (sin_max - sin_min) * i / BeamGrid::kTableIntervals, -1.0, 1.0);
     grid->row_of_sin[static_cast<size_t>(i)] =
         static_cast<float>(RowOfElevation(descending, std::asin(sine)));
+  }
+}
+
+/// Least squares over the table's range, and whether that is good enough.
+void FitRows(const std::vector<double>& descending, BeamGrid* grid) {
+  constexpr int kSamples = 512;
+  constexpr auto kTerms = static_cast<Eigen::Index>(std::tuple_size_v<decltype(BeamGrid::row_terms)>);
+  const auto first = static_cast<double>(grid->sin_min), last = static_cast<double>(grid->sin_max);
+  Eigen::MatrixXd powers(kSamples, kTerms + 1);
+  Eigen::VectorXd rows(kSamples);
+  for (int i = 0; i < kSamples; ++i) {
+    const double sine = std::clamp(first + (last - first) * i / (kSamples - 1), -1.0, 1.0);
+    powers(i, 0) = 1.0;
+    double power = sine;
+    for (Eigen::Index k = 1; k <= kTerms; ++k, power *= sine * sine) powers(i, k) = power;
+    rows(i) = RowOfElevation(descending, std::asin(sine));
+  }
+  const Eigen::VectorXd terms = powers.colPivHouseholderQr().solve(rows);
+  grid->even = (powers * terms - rows).cwiseAbs().maxCoeff() < BeamGrid::kEvenRows;
+  grid->row_of_level = static_cast<float>(terms(0));
+  for (Eigen::Index k = 0; k < kTerms; ++k) {
+    grid->row_terms[static_cast<size_t>(k)] = static_cast<float>(terms(k + 1));
   }
 }
 
@@ -78,10 +106,17 @@ BeamGrid MakeBeamGrid(const core::LidarModel& lidar) {
   grid.phase_rad = -core::kPi + (turn - std::floor(turn)) * grid.column_pitch_rad;
   FillRows(descending, &grid);
   FillRowTable(descending, &grid);
+  FitRows(descending, &grid);
   return grid;
 }
 
 float RowOfSine(const BeamGrid& grid, float sine) {
+  if (grid.even) {
+    const float s = std::clamp(sine, grid.sin_min, grid.sin_max), square = s * s;
+    float p = grid.row_terms.back();
+    for (size_t i = grid.row_terms.size() - 1; i-- > 0;) p = p * square + grid.row_terms[i];
+    return p * s + grid.row_of_level;
+  }
   const float x = std::clamp((sine - grid.sin_min) * grid.intervals_per_sin, 0.0f,
                              static_cast<float>(BeamGrid::kTableIntervals) - 0.001f);
   const auto i = static_cast<size_t>(x);

@@ -1,10 +1,12 @@
 // The ideal grid of a spinning LiDAR: a row for each beam elevation, columns evenly around the turn.
 //
 // Directions become grid coordinates (u, v): u counts columns by ascending azimuth in [0, columns), v counts
-// rows from the highest beam downwards, -0.5 to rows - 0.5 inside. Rows may be at any elevations: their
-// coordinate comes from a table over the sine, linear in the elevation between beams.
+// rows from the highest beam downwards, -0.5 to rows - 0.5 inside, linear in the elevation between beams.
+// Rows may be at any elevations: their coordinate comes from a table over the sine, or a polynomial in it
+// where the elevations are even.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -24,10 +26,15 @@ struct BeamGrid {
   std::vector<float> row_pitch_rad;  ///< a row each: mean of the angles to its neighbours
   std::vector<float> cos_elevation;  ///< a row each
 
+  float sin_min = 0.0f, sin_max = 0.0f;  ///< rows go on growing evenly outside the grid from here to there
+  /// Where `even`: row = row_of_level + the sum of row_terms[i] * sine^(2 i + 1), within kEvenRows.
+  static constexpr double kEvenRows = 2e-3;
+  bool even = false;
+  float row_of_level = 0.0f;
+  std::array<float, 5> row_terms{};
   static constexpr int kTableIntervals = 4096;
-  float sin_min = 0.0f;  ///< of the first knot: one pitch below the lowest beam
   float intervals_per_sin = 0.0f;
-  std::vector<float> row_of_sin;  ///< kTableIntervals + 1 knots
+  std::vector<float> row_of_sin;  ///< kTableIntervals + 1 knots from sin_min
 };
 
 /// @throws InputError for fewer than 2 rows or 16 columns, or elevations that coincide or leave +-90 degrees.

@@ -116,7 +116,7 @@ HWY_INLINE Footprint FootprintOf(DF d, const BeamGrid& grid, const Cubes& m) {
 }
 
 /// Grid coordinates within the cubes by first order, for 4^3 cells of a quarter of their side. Returns where
-/// that is good to kFirstOrder and kRowBend: away from the axis and the seam, wholly within the rows.
+/// that is good to kFirstOrder and kRowBend: away from the axis and the seam, not wholly outside the rows.
 HWY_INLINE MF StoreSlopes(DF d, const ScanFrame& frame, const BeamGrid& grid, const Cubes& m,
                           const Footprint& f, float half_side, size_t lane, CubeSlopes* out) {
   const DI di;
@@ -138,7 +138,8 @@ HWY_INLINE MF StoreSlopes(DF d, const ScanFrame& frame, const BeamGrid& grid, co
   const VF reach = hn::Set(d, 0.75f), slack = hn::Set(d, 0.01f);
   const VF beside = hn::Add(hn::Mul(hn::Mul(m.across, columns_per_m), reach), slack);
   const VF above = hn::Sub(slack, hn::Mul(hn::Mul(m.up, rows_per_m), reach));
-  const VF column = hn::Floor(hn::Sub(f.u, beside)), first_row = hn::Floor(hn::Sub(row, above));
+  const VF column = hn::Floor(hn::Sub(f.u, beside));
+  const VF first_row = hn::Max(hn::Floor(hn::Sub(row, above)), hn::Set(d, -1.0f));
   const VF last_column = hn::Sub(hn::Add(f.u, beside), column);
   const VF last_row = hn::Sub(hn::Add(row, above), first_row);
   VI window = hn::Set(di, CubeSlopes::kWindows);
@@ -147,8 +148,6 @@ HWY_INLINE MF StoreSlopes(DF d, const ScanFrame& frame, const BeamGrid& grid, co
                             hn::Lt(last_row, hn::Set(d, static_cast<float>(CubeSlopes::kRows[i] - 1))));
     window = hn::IfThenElse(hn::RebindMask(di, fits), hn::Set(di, i), window);
   }
-  const MF above_first = hn::Lt(first_row, hn::Zero(d));
-  window = hn::IfThenElse(hn::RebindMask(di, above_first), hn::Set(di, CubeSlopes::kWindows), window);
   hn::Store(hn::ConvertTo(di, column), di, out->first_column + lane);
   hn::Store(hn::ConvertTo(di, first_row), di, out->first_row + lane);
   hn::Store(window, di, out->window + lane);
@@ -162,7 +161,7 @@ HWY_INLINE MF StoreSlopes(DF d, const ScanFrame& frame, const BeamGrid& grid, co
   const MF far = hn::And(hn::Ge(m.flat, nearest), hn::Le(bend, hn::Add(bends, bends)));
   const MF seamless = hn::And(hn::RebindMask(d, hn::Gt(f.u0, hn::Set(di, kColumnsSpare - 1))),
                               hn::RebindMask(d, hn::Lt(f.u1, hn::Set(di, grid.columns))));
-  return hn::AndNot(hn::Or(f.outside, f.clipped), hn::And(far, seamless));
+  return hn::AndNot(f.outside, hn::And(far, seamless));
 }
 
 }  // namespace HWY_NAMESPACE

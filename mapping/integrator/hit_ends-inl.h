@@ -20,7 +20,7 @@ struct Vector3 {
 /// Lanes(d) hits.
 struct Hits {
   Vector3 p, along, inward;  ///< ends in the window, unit directions of the beams, normals
-  VF range, support;
+  VF range, support;         ///< support: of a voxel along the normal
   MF hit;
 };
 
@@ -136,13 +136,15 @@ HWY_INLINE End EndOf(DF d, const Hits& h, const TrailRules& rules) {
   return end;
 }
 
-/// @param w  ends from the sensor.
+/// All but ranges and normals. @param w  ends from the sensor.
 HWY_INLINE void Complete(DF d, const Vector3& w, const ScanFrame& frame, Hits* h) {
   h->p = {hn::Add(w.x, hn::Set(d, frame.sensor[0])), hn::Add(w.y, hn::Set(d, frame.sensor[1])),
           hn::Add(w.z, hn::Set(d, frame.sensor[2]))};
   h->hit = hn::Gt(h->range, hn::Zero(d));
   const VF inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(h->hit, h->range, hn::Set(d, 1.0f)));
   h->along = {hn::Mul(w.x, inverse), hn::Mul(w.y, inverse), hn::Mul(w.z, inverse)};
+  const VF l1 = hn::Add(hn::Add(hn::Abs(h->inward.x), hn::Abs(h->inward.y)), hn::Abs(h->inward.z));
+  h->support = hn::Mul(hn::Set(d, 0.5f), l1);
 }
 
 /// Appends those of the group's first 16 hits. @pre queue->count < 16.
@@ -158,7 +160,6 @@ HWY_INLINE void Append(DF d, const HitQueue& group, uint32_t which, HitQueue* qu
       add(group.end[a], queue->end[a]);
       add(group.inward[a], queue->inward[a]);
     }
-    add(group.support, queue->support);
     queue->count += add(group.range, queue->range);
   }
 }

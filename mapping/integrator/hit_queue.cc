@@ -11,20 +11,28 @@ HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
-void CellEnds(const ScanImage& image, const float* rotation, float* const* end, float* low, float* high) {
+/// Rows of the matrix from a LiDAR's metres to voxels along the map's axes.
+struct ToVoxels {
+  float m[3][3];
+  explicit ToVoxels(const ScanFrame& frame) {
+    const float inverse = 1.0f / frame.resolution_m;
+    for (int a = 0; a < 3; ++a) {
+      for (int c = 0; c < 3; ++c) m[a][c] = inverse * inverse * frame.axis[a][c];
+    }
+  }
+  HWY_INLINE VF Along(DF d, int axis, VF x, VF y, VF z) const {
+    return hn::Add(hn::Add(hn::Mul(hn::Set(d, m[axis][0]), x), hn::Mul(hn::Set(d, m[axis][1]), y)),
+                   hn::Mul(hn::Set(d, m[axis][2]), z));
+  }
+};
+
+void BoundEnds(const ScanImage& image, const ScanFrame& frame, float* low, float* high) {
   const DF d;
+  const ToVoxels to(frame);
   const size_t lanes = hn::Lanes(d), cells = image.range.size();
   const auto columns = static_cast<size_t>(image.columns);
   const VF zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   VF low_x = zero, low_y = zero, low_z = zero, high_x = zero, high_y = zero, high_z = zero;
-  const auto put = [&](int a, VF x, VF y, VF z, size_t at, VF* least, VF* most) {
-    const VF mx = hn::Set(d, rotation[3 * a]), my = hn::Set(d, rotation[3 * a + 1]),
-             mz = hn::Set(d, rotation[3 * a + 2]);
-    const VF w = hn::Add(hn::Add(hn::Mul(mx, x), hn::Mul(my, y)), hn::Mul(mz, z));
-    hn::StoreU(w, d, end[a] + at);
-    *least = hn::Min(*least, w);
-    *most = hn::Max(*most, w);
-  };
   for (size_t row = 0; row < cells; row += columns) {
     ForColumns(image, lanes, [&](size_t column) {
       const size_t at = row + column;
@@ -33,9 +41,14 @@ void CellEnds(const ScanImage& image, const float* rotation, float* const* end, 
       const VF x = hn::Mul(hn::LoadU(d, image.x.data() + at), scale),
                y = hn::Mul(hn::LoadU(d, image.y.data() + at), scale),
                z = hn::Mul(hn::LoadU(d, image.z.data() + at), scale);
-      put(0, x, y, z, at, &low_x, &high_x);
-      put(1, x, y, z, at, &low_y, &high_y);
-      put(2, x, y, z, at, &low_z, &high_z);
+      const auto widen = [&](int axis, VF* least, VF* most) {
+        const VF w = to.Along(d, axis, x, y, z);
+        *least = hn::Min(*least, w);
+        *most = hn::Max(*most, w);
+      };
+      widen(0, &low_x, &high_x);
+      widen(1, &low_y, &high_y);
+      widen(2, &low_z, &high_z);
     });
   }
   const VF lows[3] = {low_x, low_y, low_z}, highs[3] = {high_x, high_y, high_z};
@@ -86,15 +99,15 @@ HWY_INLINE void StoreHits(DF d, const Vector3& w, const Hits& h, size_t lane, Hi
   hn::Store(h.inward.x, d, out->inward[0] + lane);
   hn::Store(h.inward.y, d, out->inward[1] + lane);
   hn::Store(h.inward.z, d, out->inward[2] + lane);
-  hn::Store(h.support, d, out->support + lane);
   hn::Store(h.range, d, out->range + lane);
 }
 
-void CellsToQueue(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
-                  const TrailRules& rules, const int8_t* held, HitQueue* queue) {
+void CellsToQueue(const ScanImage& image, size_t first, const ScanFrame& frame, const TrailRules& rules,
+                  const int8_t* held, HitQueue* queue) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
-  const VF inverse = hn::Set(d, 1.0f / frame.resolution_m);
+  const ToVoxels to(frame);
+  const VF inverse = hn::Set(d, 1.0f / frame.resolution_m), inwards = hn::Set(d, -frame.resolution_m);
   HitQueue group;
   EndGroup ends;
   ends.block[0] = ends.voxel[0] = ends.delta[0] = 0;
@@ -104,15 +117,11 @@ void CellsToQueue(const ScanImage& image, const float* const end[3], size_t firs
     h.range = hn::Mul(hn::LoadU(d, image.range.data() + i), inverse);
     const VF nx = hn::LoadU(d, image.nx.data() + i), ny = hn::LoadU(d, image.ny.data() + i),
              nz = hn::LoadU(d, image.nz.data() + i);
-    const auto inward = [&](int axis) {
-      const float* m = frame.axis[axis];
-      const VF sum = hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0]), nx), hn::Mul(hn::Set(d, m[1]), ny)),
-                             hn::Mul(hn::Set(d, m[2]), nz));
-      return hn::Neg(hn::Mul(inverse, sum));
-    };
+    const auto inward = [&](int axis) { return hn::Mul(inwards, to.Along(d, axis, nx, ny, nz)); };
     h.inward = {inward(0), inward(1), inward(2)};
-    h.support = hn::Mul(hn::LoadU(d, image.support.data() + i), inverse);
-    const Vector3 w{hn::LoadU(d, end[0] + i), hn::LoadU(d, end[1] + i), hn::LoadU(d, end[2] + i)};
+    const VF x = hn::LoadU(d, image.x.data() + i), y = hn::LoadU(d, image.y.data() + i),
+             z = hn::LoadU(d, image.z.data() + i);
+    const Vector3 w{to.Along(d, 0, x, y, z), to.Along(d, 1, x, y, z), to.Along(d, 2, x, y, z)};
     Complete(d, w, frame, &h);
     const MF close = hn::Lt(h.range, hn::Set(d, rules.dense_range_voxels));
     const MF reaches = hn::Or(Within(d, h.p, rules, -kTrailReach),
@@ -136,18 +145,17 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace atlas::mapping {
 namespace {
-HWY_EXPORT(CellEnds);
+HWY_EXPORT(BoundEnds);
 HWY_EXPORT(CellsToQueue);
 }  // namespace
 
-void EndsOfCells(const ScanImage& image, const float rotation[9], float* const end[3], float low[3],
-                 float high[3]) {
-  HWY_DYNAMIC_DISPATCH(CellEnds)(image, rotation, end, low, high);
+void BoundsOfEnds(const ScanImage& image, const ScanFrame& frame, float low[3], float high[3]) {
+  HWY_DYNAMIC_DISPATCH(BoundEnds)(image, frame, low, high);
 }
 
-void QueueCells(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
-                const TrailRules& rules, const int8_t* held, HitQueue* queue) {
-  HWY_DYNAMIC_DISPATCH(CellsToQueue)(image, end, first, frame, rules, held, queue);
+void QueueCells(const ScanImage& image, size_t first, const ScanFrame& frame, const TrailRules& rules,
+                const int8_t* held, HitQueue* queue) {
+  HWY_DYNAMIC_DISPATCH(CellsToQueue)(image, first, frame, rules, held, queue);
 }
 
 }  // namespace atlas::mapping

@@ -17,7 +17,6 @@ struct HitQueue {
   static constexpr size_t kRoom = 2 * kHitGroup;
   alignas(64) float end[3][kRoom];
   alignas(64) float inward[3][kRoom];  ///< unit normal into the surface
-  alignas(64) float support[kRoom];
   alignas(64) float range[kRoom];
   size_t count = 0;
 };
@@ -31,14 +30,13 @@ struct TrailRules {
   const int32_t *row_of_chunk, *slots;
 };
 
-/// Where the cells' rays end, in voxels along the map's axes from the sensor, and what bounds that and the
-/// sensor. @param rotation  row-major, voxels a metre.
-void EndsOfCells(const ScanImage& image, const float rotation[9], float* const end[3], float low[3],
-                 float high[3]);
+/// Bounds of the sensor and of where the cells' rays end, in voxels along the map's axes from the sensor.
+/// @param frame  its axes and resolution.
+void BoundsOfEnds(const ScanImage& image, const ScanFrame& frame, float low[3], float high[3]);
 
 /// Queues the hits of the 16 cells of `image` from `first` that say something new of the voxels that they end
-/// in. `end` are the ends of the cells' rays, as in HitQueue; `held` as for NewHits (hit_trails.h).
-void QueueCells(const ScanImage& image, const float* const end[3], size_t first, const ScanFrame& frame,
-                const TrailRules& rules, const int8_t* held, HitQueue* queue);
+/// in. `held` as for NewHits (hit_trails.h).
+void QueueCells(const ScanImage& image, size_t first, const ScanFrame& frame, const TrailRules& rules,
+                const int8_t* held, HitQueue* queue);
 
 }  // namespace atlas::mapping

@@ -21,7 +21,6 @@ void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage:
   const bool near = std::abs(image.range[cell] - image.ray_range[ray]) < frame.resolution_m;
   const float range = image.ray_range[ray] * inverse;
   queue->range[at] = range;
-  float l1 = 0.0f;
   for (int a = 0; a < 3; ++a) {
     const float* axis = frame.axis[a];
     const float end = inverse * inverse *
@@ -31,22 +30,19 @@ void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage:
              : end / range;
     queue->end[a][at] = end;
     queue->inward[a][at] = inward;
-    l1 += std::abs(inward);
   }
-  queue->support[at] = 0.5f * l1;
 }
 
 }  // namespace
 
 void HitScatter::Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m,
                        ScanFrame* frame) {
-  const size_t cells = image.range.size();
-  for (auto* v : {&wx_, &wy_, &wz_}) v->resize(cells);
-  float m[9];
-  for (int i = 0; i < 9; ++i) m[i] = static_cast<float>(T_map_lidar.linear()(i / 3, i % 3) / resolution_m);
+  frame->resolution_m = static_cast<float>(resolution_m);
+  for (int i = 0; i < 9; ++i) {
+    frame->axis[i / 3][i % 3] = static_cast<float>(T_map_lidar.linear()(i / 3, i % 3) * resolution_m);
+  }
   float low[3], high[3];
-  float* const ends[3] = {wx_.data(), wy_.data(), wz_.data()};
-  EndsOfCells(image, m, ends, low, high);
+  BoundsOfEnds(image, *frame, low, high);
   int32_t first[3];
   for (int a = 0; a < 3; ++a) {
     const double sensor = T_map_lidar.translation()[a] / resolution_m;
@@ -56,12 +52,8 @@ void HitScatter::Place(const ScanImage& image, const core::Pose& T_map_lidar, do
         std::floor((sensor + static_cast<double>(high[a]) + kWindowMargin) / kChunkSide));
     frame->chunks[static_cast<size_t>(a)] = last - first[a] + 1;
     frame->sensor[a] = static_cast<float>(sensor - static_cast<double>(first[a]) * kChunkSide);
-    for (int c = 0; c < 3; ++c) {
-      frame->axis[a][c] = static_cast<float>(T_map_lidar.linear()(a, c) * resolution_m);
-    }
   }
   frame->first_chunk = {first[0], first[1], first[2]};
-  frame->resolution_m = static_cast<float>(resolution_m);
   frame->SetLanes();
 }
 
@@ -115,7 +107,6 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
                    static_cast<float>(kDense / image.grid->min_pitch_rad),
                    row_of_chunk_.data(),
                    nullptr};
-  const float* const ends[3] = {wx_.data(), wy_.data(), wz_.data()};
   HitQueue queue{}, oblique{};
   const auto approach = [&] {
     Reserve(&rules);
@@ -139,7 +130,7 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
     for (const ScanImage::Run& run : image.runs) {
       for (size_t c = run.first; c < run.last; c += kHitGroup) {
         const size_t cell = row + std::min(c, run.last - kHitGroup);
-        QueueCells(image, ends, cell, frame, rules, blocks_.front().delta, &queue);
+        QueueCells(image, cell, frame, rules, blocks_.front().delta, &queue);
         take(kHitGroup);
       }
     }

@@ -19,9 +19,10 @@ struct HitBlock {
 
 class HitScatter {
  public:
-  /// Where the hits of the image lie against the lattice: fills `frame`'s window so that it holds every ray's
-  /// end, and keeps window coordinates for Scatter.
-  void Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m, ScanFrame* frame);
+  /// Where the hits of the image lie against the lattice: fills `frame`, with a window that holds every ray's
+  /// end.
+  static void Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m,
+                    ScanFrame* frame);
 
   /// @param keep_min, keep_max  voxels outside [min, max) of the window are left out.
   void Scatter(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
@@ -49,7 +50,6 @@ class HitScatter {
   /// The slot of a block (HitTrails::block), made if it has none.
   size_t SlotOf(int32_t block);
 
-  std::vector<float> wx_, wy_, wz_;  ///< ends of the hits from the sensor, voxels along the map's axes
   // Row 0 and slot 0 are none.
   std::vector<int32_t> row_of_chunk_;  ///< in touched_, and in slots_ times kChunkBlocks
   std::vector<BlockMask> touched_;

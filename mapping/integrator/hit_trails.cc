@@ -132,7 +132,6 @@ HWY_INLINE Hits HitsAt(DF d, const HitQueue& queue, const ScanFrame& frame, size
   };
   Hits h;
   h.range = hn::Load(d, queue.range + lane);
-  h.support = hn::Load(d, queue.support + lane);
   h.inward = load(queue.inward);
   Complete(d, load(queue.end), frame, &h);
   return h;
@@ -184,7 +183,6 @@ void TakeFirst(uint32_t which, HitQueue* queue, HitQueue* others) {
   if (rest > 0) {
     for (auto& v : queue->end) shift(v);
     for (auto& v : queue->inward) shift(v);
-    shift(queue->support);
     shift(queue->range);
   }
   queue->count = rest;

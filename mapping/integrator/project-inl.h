@@ -109,39 +109,25 @@ HWY_INLINE VF ColumnOf(DF d, const BeamGrid& grid, VF x, VF y) {
   return WrapColumn(d, u, static_cast<float>(grid.columns));
 }
 
-template <typename Lookup>
-HWY_INLINE VF RowBy(DF d, const BeamGrid& grid, VF sine, const Lookup& lookup) {
+/// As RowOfSine.
+HWY_INLINE VF RowOf(DF d, const BeamGrid& grid, VF sine) {
   const DI di;
+  if (grid.even) {
+    const VF s = hn::Min(hn::Max(sine, hn::Set(d, grid.sin_min)), hn::Set(d, grid.sin_max));
+    const VF square = hn::Mul(s, s);
+    VF p = hn::Set(d, grid.row_terms.back());
+    for (size_t i = grid.row_terms.size() - 1; i-- > 0;) {
+      p = hn::Add(hn::Mul(p, square), hn::Set(d, grid.row_terms[i]));
+    }
+    return hn::Add(hn::Mul(p, s), hn::Set(d, grid.row_of_level));
+  }
   const VF top = hn::Set(d, static_cast<float>(BeamGrid::kTableIntervals) - 0.001f);
   VF x = hn::Mul(hn::Sub(sine, hn::Set(d, grid.sin_min)), hn::Set(d, grid.intervals_per_sin));
   x = hn::Min(hn::Max(x, hn::Zero(d)), top);
   const VI i = FloorPositive(di, x);
-  const VF a = lookup(grid.row_of_sin.data(), i);
-  const VF b = lookup(grid.row_of_sin.data() + 1, i);
+  const VF a = hn::GatherIndex(d, grid.row_of_sin.data(), i);
+  const VF b = hn::GatherIndex(d, grid.row_of_sin.data() + 1, i);
   return hn::Add(a, hn::Mul(hn::Sub(x, hn::ConvertTo(d, i)), hn::Sub(b, a)));
-}
-
-/// As RowOfSine.
-HWY_INLINE VF RowOf(DF d, const BeamGrid& grid, VF sine) {
-  return RowBy(d, grid, sine, [d](const float* from, VI i) { return hn::GatherIndex(d, from, i); });
-}
-
-/// The same, quicker where the sines are nearly alike, as along a row of beams.
-HWY_INLINE VF RowOfAlike(DF d, const BeamGrid& grid, VF sine) {
-  const DI di;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  int first = -1;  // of 2 Lanes(d) entries that hold all
-  return RowBy(d, grid, sine, [&](const float* from, VI i) {
-    if (first < 0) first = std::clamp(hn::GetLane(i) - lanes, 0, BeamGrid::kTableIntervals - 2 * lanes);
-    const VI at = hn::Sub(i, hn::Set(di, first));
-    const MF far =
-        hn::RebindMask(d, hn::Or(hn::Lt(at, hn::Zero(di)), hn::Gt(at, hn::Set(di, 2 * lanes - 1))));
-    if (!hn::AllFalse(d, far)) return hn::GatherIndex(d, from, i);
-    const auto index = hn::IndicesFromVec(d, hn::And(at, hn::Set(di, lanes - 1)));
-    const MF second = hn::RebindMask(d, hn::Gt(at, hn::Set(di, lanes - 1)));
-    return hn::IfThenElse(second, hn::TableLookupLanes(hn::LoadU(d, from + first + lanes), index),
-                          hn::TableLookupLanes(hn::LoadU(d, from + first), index));
-  });
 }
 
 }  // namespace HWY_NAMESPACE

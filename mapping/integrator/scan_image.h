@@ -62,9 +62,9 @@ struct ScanImage {
   };
   std::vector<SpareHit> spare;
 
-  // --- Surface at hits: unit normal towards the sensor (LiDAR frame), 1 / cos(incidence), the voxel's
-  // support along the normal.
-  std::vector<float> nx, ny, nz, inverse_cos, support;
+  // --- Surface at hits: unit normal towards the sensor (LiDAR frame) and, with reach_behind_m,
+  // 1 / cos(incidence).
+  std::vector<float> nx, ny, nz, inverse_cos;
 
   // --- Tables. A margin image holds for each cell the range up to which space is free for cells of that
   // scale, with `pad` columns repeated on the right; scale index 0, 1, 2 is 1, 2, 4 voxels.

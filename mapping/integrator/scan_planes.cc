@@ -138,8 +138,13 @@ HWY_INLINE Slopes SlopesOf(DF d, const ScanImage& image, int row, size_t column,
   return {JoinSides(d, right, left, q, per_u), JoinSides(d, above, below, q, per_v)};
 }
 
+/// Of planes: 1 / cos(incidence), bounded, and the voxel's support along the normal.
+struct Lean {
+  VF inverse_cos, support;
+};
+
 /// Turns slopes into the normal: the range grows along the surface as the slopes say.
-HWY_INLINE void StorePlane(DF d, const float* rotation, float half_voxel, Slopes slope, VF range, size_t i,
+HWY_INLINE Lean StorePlane(DF d, const float* rotation, float half_voxel, Slopes slope, VF range, size_t i,
                            ScanImage* image) {
   const VF one = hn::Set(d, 1.0f);
   const VF x = hn::LoadU(d, image->x.data() + i), y = hn::LoadU(d, image->y.data() + i),
@@ -169,8 +174,7 @@ HWY_INLINE void StorePlane(DF d, const float* rotation, float half_voxel, Slopes
   hn::StoreU(nx, d, image->nx.data() + i);
   hn::StoreU(ny, d, image->ny.data() + i);
   hn::StoreU(nz, d, image->nz.data() + i);
-  hn::StoreU(hn::Min(t, hn::Set(d, kGrazing)), d, image->inverse_cos.data() + i);
-  hn::StoreU(hn::Mul(l1, hn::Set(d, half_voxel)), d, image->support.data() + i);
+  return {hn::Min(t, hn::Set(d, kGrazing)), hn::Mul(l1, hn::Set(d, half_voxel))};
 }
 
 /// The nearer of the range of the return and of its plane in the cell's own direction, which the beam may
@@ -190,10 +194,10 @@ HWY_INLINE VF RangeOfCell(DF d, const ScanImage& image, const Slopes& slope, VF 
 
 /// Free up to where a voxel could touch the surface: 3 sigma and its support off the plane. The own beam
 /// keeps twice the support away, since a voxel that it pierces may hang below it by as much.
-HWY_INLINE void StoreMargins(DF d, const ImageOptions& options, VF range, MF hit, int row, size_t column,
-                             size_t i, ScanImage* image) {
+HWY_INLINE void StoreMargins(DF d, const ImageOptions& options, const Lean& lean, VF range, MF hit, int row,
+                             size_t column, size_t i, ScanImage* image) {
   const size_t to = static_cast<size_t>(row) * static_cast<size_t>(image->pitch) + column;
-  const VF t = hn::LoadU(d, image->inverse_cos.data() + i), h = hn::LoadU(d, image->support.data() + i);
+  const VF t = lean.inverse_cos, h = lean.support;
   const VF sigma = hn::Max(hn::Set(d, options.sigma_min_m), hn::Mul(range, hn::Set(d, options.lambda_sigma)));
   const VF band = hn::Mul(hn::Set(d, 3.0f), sigma);
   const VF least = hn::Set(d, 0.002f);
@@ -220,12 +224,14 @@ void PlanesOfRows(const float* rotation, const ImageOptions& options, size_t beg
       const MF hit = hn::Gt(signed_range, hn::Zero(d));
       const VF range = hn::IfThenElse(hit, signed_range, hn::Set(d, 1.0f));
       VF free_range = range;
+      Lean lean{hn::Zero(d), hn::Zero(d)};
       if (!hn::AllFalse(d, hit)) {
         const Slopes slopes = SlopesOf(d, *image, row, column, range);
         free_range = RangeOfCell(d, *image, slopes, range, row, i);
-        StorePlane(d, rotation, 0.5f * options.resolution_m, slopes, range, i, image);
+        lean = StorePlane(d, rotation, 0.5f * options.resolution_m, slopes, range, i, image);
       }
-      StoreMargins(d, options, free_range, hit, row, column, i, image);
+      if (options.reach_behind_m > 0.0f) hn::StoreU(lean.inverse_cos, d, image->inverse_cos.data() + i);
+      StoreMargins(d, options, lean, free_range, hit, row, column, i, image);
     });
   }
 }

@@ -80,7 +80,7 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
   const VF safe_x = hn::IfThenElseZero(pointed, end.x), safe_y = hn::IfThenElseZero(pointed, end.y),
            safe_z = hn::IfThenElseZero(pointed, end.z);
   const VF u = ColumnOf(d, *image->grid, safe_x, safe_y);
-  const VF v = RowOfAlike(d, *image->grid, hn::Div(safe_z, safe_r));
+  const VF v = RowOf(d, *image->grid, hn::Div(safe_z, safe_r));
 
   const VF limit = hn::Set(d, options.max_range_m);
   const MF near_hit = hn::And(hit, hn::Le(r, limit));
@@ -384,7 +384,7 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
   image->pitch = grid.columns + ScanImage::kPad;
   const size_t cells = static_cast<size_t>(grid.rows) * static_cast<size_t>(grid.columns);
   for (auto* v : {&image->range, &image->x, &image->y, &image->z, &image->nx, &image->ny, &image->nz,
-                  &image->inverse_cos, &image->support}) {
+                  &image->inverse_cos}) {
     v->resize(cells);
   }
   image->cell_ray.resize(cells);

@@ -13,6 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
+constexpr float kBeforeEnd = 1e-3f;  ///< rows: what floats of up to 1024 rows tell apart
+
 /// The images that a block is tested against.
 struct CellImages {
   const float *own, *around;
@@ -57,7 +59,7 @@ HWY_INLINE Slopes SlopesOf(const CubeSlopes& all, size_t lane) {
 struct WholeImage {
   const float* image;
   VF pitch;
-  HWY_INLINE WholeImage(DF d, const float* first, float row_pitch, const Slopes&, int)
+  HWY_INLINE WholeImage(DF d, const float* first, float row_pitch, const Slopes&, int, int)
       : image(first), pitch(hn::Set(d, row_pitch)) {}
   HWY_INLINE VF At(DF d, VF row, VF column) const {
     // Exact: images have fewer than 2^24 cells.
@@ -74,10 +76,12 @@ struct ImageWindow {
   static constexpr int kPairs = kRows * kColumns / 32;
   VF first[kPairs], second[kPairs], origin;  ///< 16 cells each, first[0], second[0], first[1] and so on
 
-  HWY_INLINE ImageWindow(DF d, const float* image, float row_pitch, const Slopes& s, int last_row) {
+  HWY_INLINE ImageWindow(DF d, const float* image, float row_pitch, const Slopes& s, int least_row,
+                         int last_row) {
     const auto row = [&](int k) {
       return image + s.first_column +
-             static_cast<ptrdiff_t>(std::min(s.first_row + k, last_row)) * static_cast<ptrdiff_t>(row_pitch);
+             static_cast<ptrdiff_t>(std::clamp(s.first_row + k, least_row, last_row)) *
+                 static_cast<ptrdiff_t>(row_pitch);
     };
     for (int i = 0; i < kPairs; ++i) {
       if constexpr (kColumns == kGroup) {
@@ -106,8 +110,8 @@ struct ImageWindow {
 };
 #endif
 
-/// 4^3 cells of `side` voxels about the middle of a cube where its slopes hold: as TestGroups, without seam
-/// or borders to mind.
+/// 4^3 cells of `side` voxels about the middle of a cube where its slopes hold: as TestGroups, without a seam
+/// to mind.
 template <typename Lookup>
 HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, float side) {
   const DF d;
@@ -119,13 +123,13 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
   const float* const around_first = images.around +
                                     static_cast<ptrdiff_t>((1.0f + images.row_offset) * images.pitch) -
                                     images.columns_before;
-  const Lookup own(d, images.own, images.pitch, s, image.rows - 1);
-  const Lookup around(d, around_first, images.pitch, s, image.rows - 1);
+  const Lookup own(d, images.own, images.pitch, s, 0, image.rows - 1);
+  const Lookup around(d, around_first, images.pitch, s, -1, image.rows - 1);
   alignas(64) static constexpr float kAlongX[kGroup] = {-1.5f, -0.5f, 0.5f, 1.5f, -1.5f, -0.5f, 0.5f, 1.5f,
                                                         -1.5f, -0.5f, 0.5f, 1.5f, -1.5f, -0.5f, 0.5f, 1.5f};
   alignas(64) static constexpr float kAlongY[kGroup] = {
       -1.5f, -1.5f, -1.5f, -1.5f, -0.5f, -0.5f, -0.5f, -0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 1.5f, 1.5f, 1.5f, 1.5f};
-  const VF sides = hn::Set(d, side);
+  const VF sides = hn::Set(d, side), first = hn::Neg(half), last = hn::Set(d, images.rows_end - kBeforeEnd);
   alignas(64) float at_u[4 * kGroup], at_v[4 * kGroup], at_distance[4 * kGroup];
   uint64_t in = 0;
   for (size_t i = 0; i < kGroup; i += lanes) {
@@ -138,10 +142,11 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
     for (int z = 0; z < 4; ++z) {
       const auto at = static_cast<float>(z) * side;
       const size_t slot = static_cast<size_t>(z) * kGroup + i;
-      const VF u = hn::Add(u0, hn::Set(d, at * s.du[2])), v = hn::Add(v0, hn::Set(d, at * s.dv[2]));
+      const VF u = hn::Add(u0, hn::Set(d, at * s.du[2]));
+      const VF unbound = hn::Add(v0, hn::Set(d, at * s.dv[2])), v = hn::Min(hn::Max(unbound, first), last);
       const VF distance = hn::Add(distance0, hn::Set(d, at * s.ddistance[2]));
       const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
-      const MF behind = hn::Lt(distance, own.At(d, row, column));
+      const MF behind = hn::And(hn::Eq(v, unbound), hn::Lt(distance, own.At(d, row, column)));
       in |= static_cast<uint64_t>(BitsOf(d, behind)) << slot;
       hn::Store(u, d, at_u + slot);
       hn::Store(v, d, at_v + slot);

@@ -85,7 +85,13 @@ class FillKernels : public testing::Test {
   double Veto(int row, int column) const {
     const size_t i = Cell(row, column);
     const double own = Own(row, column);
-    return image_.range[i] > 0.0f ? own + image_.support[i] * (image_.inverse_cos[i] - 1.0) : own;
+    if (image_.range[i] <= 0.0f) return own;
+    const Vec3 normal(image_.nx[i], image_.ny[i], image_.nz[i]), end(image_.x[i], image_.y[i], image_.z[i]);
+    const double inverse_cos = std::min(end.norm() / std::abs(normal.dot(end)), 60.0);
+    double support = 0.0;
+    for (const auto& axis : frame_.axis)
+      support += 0.5 * std::abs(normal.dot(Vec3(axis[0], axis[1], axis[2])));
+    return own + support * (inverse_cos - 1.0);
   }
   double LeastVeto(int row0, int row1, int column0, int column1) const {
     double least = 1e9;
