@@ -15,16 +15,16 @@ constexpr int kWindowMargin = 8;      ///< voxels beyond the outermost ray end
 /// With the plane of the hit in its cell where that is near, else seen head on.
 void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
                 HitQueue* queue) {
-  const auto ray = static_cast<size_t>(spare.ray), cell = static_cast<size_t>(spare.cell);
+  const auto cell = static_cast<size_t>(spare.cell);
   const size_t at = queue->count++;
   const float inverse = 1.0f / frame.resolution_m;
-  const bool near = std::abs(image.range[cell] - image.ray_range[ray]) < frame.resolution_m;
-  const float range = image.ray_range[ray] * inverse;
+  const bool near = std::abs(image.range[cell] - spare.range) < frame.resolution_m;
+  const float range = spare.range * inverse;
   queue->range[at] = range;
   for (int a = 0; a < 3; ++a) {
     const float* axis = frame.axis[a];
-    const float end = inverse * inverse *
-                      (axis[0] * image.ray_x[ray] + axis[1] * image.ray_y[ray] + axis[2] * image.ray_z[ray]);
+    const float end =
+        inverse * inverse * (axis[0] * spare.end[0] + axis[1] * spare.end[1] + axis[2] * spare.end[2]);
     const float inward =
         near ? -inverse * (axis[0] * image.nx[cell] + axis[1] * image.ny[cell] + axis[2] * image.nz[cell])
              : end / range;

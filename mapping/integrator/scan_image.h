@@ -46,7 +46,8 @@ struct ScanImage {
   float pierce_voxels = 0.5f;  ///< a beam that passes this near to a cell's middle pierces it
 
   // --- Rays, rows of the scan by ascending azimuth. ray_range > 0: hit at ray_x.. (a point); < 0: nothing
-  // met up to -ray_range, ray_x.. a unit direction; 0: no information. ray_u < 0: no direction either.
+  // met up to -ray_range, ray_x.. a unit direction; 0: no information. ray_u < 0: no direction either. Once
+  // cells have chosen, nx, ny, nz take over the memory of ray_x, ray_y, ray_z.
   std::vector<float> ray_x, ray_y, ray_z, ray_range, ray_u, ray_v;
 
   // --- Cells, row * columns + column. The matched ray and its true place against the cell's (columns, rows).
@@ -58,7 +59,8 @@ struct ScanImage {
   float reach_m = 0.0f;        ///< of the farthest cell
   /// Hits that no cell took, since another ray is nearer to each direction around.
   struct SpareHit {
-    int32_t ray, cell;  ///< the cell that the ray falls into
+    int32_t cell;  ///< that the ray falls into
+    float range, end[3];
   };
   std::vector<SpareHit> spare;
 

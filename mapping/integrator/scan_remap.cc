@@ -8,7 +8,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <array>
 #include <cstring>
+#include <utility>
 
 #include "core/parallel_for.h"
 #include "mapping/integrator/project-inl.h"
@@ -362,7 +364,9 @@ void FindSpares(ScanImage* image) {
     const int row = std::clamp(static_cast<int>(image->ray_v[i] + 0.5f), 0, image->rows - 1);
     const int column = static_cast<int>(image->ray_u[i] + 0.5f) % image->columns;
     if (!image->Filled(static_cast<size_t>(column))) return;
-    image->spare.push_back({static_cast<int32_t>(i), row * image->columns + column});
+    image->spare.push_back({row * image->columns + column,
+                            image->ray_range[i],
+                            {image->ray_x[i], image->ray_y[i], image->ray_z[i]}});
   };
   size_t i = 0;
   for (; i + 8 <= taken.size(); i += 8) {
@@ -383,8 +387,7 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
   image->runs.assign(1, {0, static_cast<size_t>(grid.columns)});
   image->pitch = grid.columns + ScanImage::kPad;
   const size_t cells = static_cast<size_t>(grid.rows) * static_cast<size_t>(grid.columns);
-  for (auto* v : {&image->range, &image->x, &image->y, &image->z, &image->nx, &image->ny, &image->nz,
-                  &image->inverse_cos}) {
+  for (auto* v : {&image->range, &image->x, &image->y, &image->z, &image->inverse_cos}) {
     v->resize(cells);
   }
   image->cell_ray.resize(cells);
@@ -399,10 +402,14 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
 
 void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
                ScanImage* image) {
-  for (auto* v :
-       {&image->ray_x, &image->ray_y, &image->ray_z, &image->ray_range, &image->ray_u, &image->ray_v}) {
-    v->resize(scan.size());
-  }
+  const std::array<std::pair<std::vector<float>*, std::vector<float>*>, 3> shared{
+      {{&image->ray_x, &image->nx}, {&image->ray_y, &image->ny}, {&image->ray_z, &image->nz}}};
+  const auto hand_over = [](std::vector<float>* from, std::vector<float>* to, size_t size) {
+    *to = std::move(*from);
+    to->resize(size);
+  };
+  for (const auto& [ray, normal] : shared) hand_over(normal, ray, scan.size());
+  for (auto* v : {&image->ray_range, &image->ray_u, &image->ray_v}) v->resize(scan.size());
   const auto rows = static_cast<size_t>(image->rows);
   core::ParallelFor(options.threads, static_cast<size_t>(scan.rows), [&](size_t begin, size_t end, size_t) {
     HWY_DYNAMIC_DISPATCH(ProjectRows)(scan, poses, options, begin, end, image);
@@ -414,6 +421,7 @@ void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const Imag
   });
   image->reach_m = *std::max_element(image->row_reach_m.begin(), image->row_reach_m.end());
   FindSpares(image);
+  for (const auto& [ray, normal] : shared) hand_over(ray, normal, image->range.size());
 }
 
 }  // namespace atlas::mapping

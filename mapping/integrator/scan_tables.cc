@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "mapping/integrator/dynamic_loop.h"
+#include "mapping/integrator/fill_kernels.h"
 #include "mapping/integrator/scan_image.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -168,8 +169,11 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
 void PrepareTables(ScanImage* image) {
   const auto pitch = static_cast<size_t>(image->pitch), columns = static_cast<size_t>(image->columns);
   const auto rows = static_cast<size_t>(image->rows);
-  for (std::vector<float>& table : image->own) table.resize(rows * pitch);
-  for (std::vector<float>& table : image->surround) table.resize((rows + 1) * pitch + kSlack, kNothing);
+  constexpr size_t kRowsBelow = CubeSlopes::kRows[CubeSlopes::kWindows - 1];  // windows may reach out
+  for (std::vector<float>& table : image->own) table.resize((rows + kRowsBelow) * pitch + kSlack);
+  for (std::vector<float>& table : image->surround) {
+    table.resize((rows + 1 + kRowsBelow) * pitch + kSlack, kNothing);
+  }
 
   const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
   const int bias = static_cast<int>(std::lround(std::log2(ratio)));
@@ -178,7 +182,8 @@ void PrepareTables(ScanImage* image) {
     const int tall = 1 << (k == 0 ? 0 : std::max(1, k - std::max(bias, 0)));
     image->window_rows[level] = tall;
     image->window_columns[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(-bias, 0)));
-    if (k >= 2) image->window[level].resize((rows + static_cast<size_t>(tall) - 1) * pitch);
+    if (k >= 2)
+      image->window[level].resize((rows + static_cast<size_t>(tall) - 1 + kRowsBelow) * pitch + kSlack);
   }
 
   image->box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);

@@ -59,7 +59,7 @@ HWY_INLINE Slopes SlopesOf(const CubeSlopes& all, size_t lane) {
 struct WholeImage {
   const float* image;
   VF pitch;
-  HWY_INLINE WholeImage(DF d, const float* first, float row_pitch, const Slopes&, int, int)
+  HWY_INLINE WholeImage(DF d, const float* first, float row_pitch, const Slopes&, int)
       : image(first), pitch(hn::Set(d, row_pitch)) {}
   HWY_INLINE VF At(DF d, VF row, VF column) const {
     // Exact: images have fewer than 2^24 cells.
@@ -76,13 +76,11 @@ struct ImageWindow {
   static constexpr int kPairs = kRows * kColumns / 32;
   VF first[kPairs], second[kPairs], origin;  ///< 16 cells each, first[0], second[0], first[1] and so on
 
-  HWY_INLINE ImageWindow(DF d, const float* image, float row_pitch, const Slopes& s, int least_row,
-                         int last_row) {
-    const auto row = [&](int k) {
-      return image + s.first_column +
-             static_cast<ptrdiff_t>(std::clamp(s.first_row + k, least_row, last_row)) *
-                 static_cast<ptrdiff_t>(row_pitch);
-    };
+  HWY_INLINE ImageWindow(DF d, const float* image, float row_pitch, const Slopes& s, int least_row) {
+    const int first_row = std::max(s.first_row, least_row);
+    const auto pitch = static_cast<ptrdiff_t>(row_pitch);
+    const float* const corner = image + first_row * pitch + s.first_column;
+    const auto row = [&](int k) { return corner + k * pitch; };
     for (int i = 0; i < kPairs; ++i) {
       if constexpr (kColumns == kGroup) {
         first[i] = hn::LoadU(d, row(2 * i));
@@ -93,7 +91,7 @@ struct ImageWindow {
         second[i] = hn::Combine(d, hn::LoadU(dh, row(4 * i + 3)), hn::LoadU(dh, row(4 * i + 2)));
       }
     }
-    origin = hn::Set(d, static_cast<float>(s.first_row * kColumns + s.first_column));
+    origin = hn::Set(d, static_cast<float>(first_row * kColumns + s.first_column));
   }
   HWY_INLINE VF At(DF d, VF row, VF column) const {
     const DI di;
@@ -123,8 +121,8 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
   const float* const around_first = images.around +
                                     static_cast<ptrdiff_t>((1.0f + images.row_offset) * images.pitch) -
                                     images.columns_before;
-  const Lookup own(d, images.own, images.pitch, s, 0, image.rows - 1);
-  const Lookup around(d, around_first, images.pitch, s, -1, image.rows - 1);
+  const Lookup own(d, images.own, images.pitch, s, 0);
+  const Lookup around(d, around_first, images.pitch, s, -1);
   alignas(64) static constexpr float kAlongX[kGroup] = {-1.5f, -0.5f, 0.5f, 1.5f, -1.5f, -0.5f, 0.5f, 1.5f,
                                                         -1.5f, -0.5f, 0.5f, 1.5f, -1.5f, -0.5f, 0.5f, 1.5f};
   alignas(64) static constexpr float kAlongY[kGroup] = {
