@@ -46,8 +46,9 @@ struct ScanImage {
   float pierce_voxels = 0.5f;  ///< a beam that passes this near to a cell's middle pierces it
 
   // --- Rays, rows of the scan by ascending azimuth. ray_range > 0: hit at ray_x.. (a point); < 0: nothing
-  // met up to -ray_range, ray_x.. a unit direction; 0: no information. ray_u < 0: no direction either. Once
-  // cells have chosen, nx, ny, nz take over the memory of ray_x, ray_y, ray_z.
+  // met up to -ray_range, ray_x.. a unit direction; 0: no information. ray_u < 0: no direction either. Like
+  // the bins they are gone once cells have chosen: planes and tables take over their memory, so that a scan
+  // touches less.
   std::vector<float> ray_x, ray_y, ray_z, ray_range, ray_u, ray_v;
 
   // --- Cells, row * columns + column. The matched ray and its true place against the cell's (columns, rows).

@@ -8,7 +8,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <array>
 #include <cstring>
 #include <utility>
 
@@ -183,7 +182,7 @@ HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
     const auto to = static_cast<size_t>(first), at = static_cast<size_t>(first + lane) / bins.pitch;
     const size_t left = static_cast<size_t>(first + lane) % bins.pitch - 1;
     const auto last = left + static_cast<size_t>(31 - __builtin_clz(run) - lane);
-    if (first < 0 || to + hn::Lanes(d) > bins.du.size() || !image->Filled(left) || !image->Filled(last)) {
+    if (first < 0 || to + hn::Lanes(d) > bins.ray.size() || !image->Filled(left) || !image->Filled(last)) {
       for (; run != 0; run &= run - 1) BinRay(i + static_cast<size_t>(__builtin_ctz(run)), image);
       return;
     }
@@ -208,7 +207,7 @@ HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
 
 void BinScan(ScanImage* image) {
   const DF d;
-  const size_t lanes = hn::Lanes(d), rays = image->ray_u.size();
+  const size_t lanes = hn::Lanes(d), rays = image->taken.size();
   size_t i = 0;
   for (; i + lanes <= rays; i += lanes) BinVector(d, i, image);
   for (; i < rays; ++i) BinRay(i, image);
@@ -264,7 +263,7 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
             const uint64_t bits = run;
             const MF mask = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
             const auto from = static_cast<size_t>(first);
-            const bool within = first >= 0 && from + hn::Lanes(d) <= image->ray_range.size();
+            const bool within = first >= 0 && from + hn::Lanes(d) <= image->taken.size();
             const auto fetch = [&](const std::vector<float>& rays, VF* to) {
               const VF values = within ? hn::LoadU(d, rays.data() + from)
                                        : hn::GatherIndex(d, rays.data(), hn::Max(best_ray, hn::Zero(di)));
@@ -338,9 +337,8 @@ constexpr float kEmptyBin = 1e9f;
 void BinRays(ScanImage* image) {
   ScanImage::Bins& bins = image->bins;
   const auto columns = static_cast<size_t>(image->columns);
-  image->taken.assign(image->ray_range.size(), 0);
   // Empty bins are told by `du` alone.
-  std::fill(bins.du.begin(), bins.du.end(), kEmptyBin);
+  std::fill_n(bins.du.begin(), bins.ray.size(), kEmptyBin);
   HWY_DYNAMIC_DISPATCH(BinScan)(image);
   for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
     const size_t first = row * bins.pitch, last = first + columns + 1;
@@ -378,6 +376,20 @@ void FindSpares(ScanImage* image) {
   for (; i < taken.size(); ++i) add(i);
 }
 
+/// Rays and bins take the memory of planes and tables, which come after them, or give it back.
+void ShareMemory(bool rays_first, size_t rays, ScanImage* image) {
+  ScanImage& i = *image;
+  const std::pair<std::vector<float>*, std::vector<float>*> shared[] = {
+      {&i.ray_x, &i.nx},          {&i.ray_y, &i.ny},          {&i.ray_z, &i.nz},
+      {&i.ray_u, &i.own[0]},      {&i.ray_v, &i.surround[0]}, {&i.ray_range, &i.window[2]},
+      {&i.bins.du, &i.window[3]}, {&i.bins.dv, &i.window[4]}};
+  for (const auto& [before, after] : shared) {
+    std::vector<float>*from = rays_first ? after : before, *to = rays_first ? before : after;
+    *to = std::move(*from);
+    to->resize(std::max({to->size(), rays, i.bins.ray.size()}));
+  }
+}
+
 }  // namespace
 
 void PrepareImage(const BeamGrid& grid, ScanImage* image) {
@@ -395,21 +407,14 @@ void PrepareImage(const BeamGrid& grid, ScanImage* image) {
   ScanImage::Bins& bins = image->bins;
   bins.pitch = static_cast<size_t>(grid.columns) + 2;
   const size_t count = bins.pitch * static_cast<size_t>(grid.rows);
-  for (auto* v : {&bins.du, &bins.dv}) v->resize(count);
   bins.ray.resize(count);
   PrepareTables(image);
 }
 
 void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
                ScanImage* image) {
-  const std::array<std::pair<std::vector<float>*, std::vector<float>*>, 3> shared{
-      {{&image->ray_x, &image->nx}, {&image->ray_y, &image->ny}, {&image->ray_z, &image->nz}}};
-  const auto hand_over = [](std::vector<float>* from, std::vector<float>* to, size_t size) {
-    *to = std::move(*from);
-    to->resize(size);
-  };
-  for (const auto& [ray, normal] : shared) hand_over(normal, ray, scan.size());
-  for (auto* v : {&image->ray_range, &image->ray_u, &image->ray_v}) v->resize(scan.size());
+  ShareMemory(true, scan.size(), image);
+  image->taken.assign(scan.size(), 0);
   const auto rows = static_cast<size_t>(image->rows);
   core::ParallelFor(options.threads, static_cast<size_t>(scan.rows), [&](size_t begin, size_t end, size_t) {
     HWY_DYNAMIC_DISPATCH(ProjectRows)(scan, poses, options, begin, end, image);
@@ -421,7 +426,7 @@ void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const Imag
   });
   image->reach_m = *std::max_element(image->row_reach_m.begin(), image->row_reach_m.end());
   FindSpares(image);
-  for (const auto& [ray, normal] : shared) hand_over(ray, normal, image->range.size());
+  ShareMemory(false, scan.size(), image);
 }
 
 }  // namespace atlas::mapping
