@@ -20,8 +20,8 @@ double RowOfElevation(const std::vector<double>& descending, double elevation) {
   return static_cast<double>(below - 1) + (upper - elevation) / (upper - lower);
 }
 
-constexpr double kBeyondRad =
-    0.15;  ///< of the table, so that rows grow evenly where cubes are cut by the grid
+/// Rows go on so far outside the grid, so that they grow evenly over cubes that its edge cuts.
+constexpr double kBeyondRad = 0.15;
 
 void FillRowTable(const std::vector<double>& descending, BeamGrid* grid) {
   const size_t last = descending.size() - 1;
