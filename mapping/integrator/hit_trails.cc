@@ -74,8 +74,9 @@ HWY_INLINE Vector3 Reversed(const Vector3& v) {
   return {hn::Neg(v.x), hn::Neg(v.y), hn::Neg(v.z)};
 }
 
-HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const TrailRules& rules, size_t lane,
-                            HitTrails* out) {
+/// @param followed  the hits that have a trail.
+HWY_INLINE void WriteTrails(DF d, const Hits& h, MF followed, const ScanFrame& frame, const TrailRules& rules,
+                            size_t lane, HitTrails* out) {
   const DI di;
   const Surface surface(d, rules.model, h.range);
   const End end = EndOf(d, h, rules);
@@ -87,7 +88,7 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const T
   hn::Store(end.said, di, out->said + lane);
 
   Walk behind = WalkFrom(d, h.p, end.voxel, h.along);
-  MF goes_on = h.hit;
+  MF goes_on = followed;
   for (int step = 0; step < kTrailBehind; ++step) {
     behind.Next(d);
     const VF distance = DistanceTo(d, h, behind.voxel);
@@ -96,7 +97,7 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, const ScanFrame& frame, const T
     say(behind.voxel, surface.NearUnits(d, distance, OccupancyField::kPlaces - 1), goes_on, 1 + step);
   }
   Walk front = WalkFrom(d, h.p, end.voxel, Reversed(h.along));
-  goes_on = h.hit;
+  goes_on = followed;
   for (int step = 0; step < kTrailInFront; ++step) {
     front.Next(d);
     const VF distance = DistanceTo(d, h, front.voxel);
@@ -154,13 +155,14 @@ void Trails(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, Hi
   out->hits = out->oblique = 0;
   for (size_t lane = 0; lane < kHitGroup; lane += hn::Lanes(d)) {
     const Hits h = HitsAt(d, *queue, frame, lane);
-    WriteTrails(d, h, frame, rules, lane, out);
     const VF cosine = hn::Add(hn::Add(hn::Mul(h.along.x, h.inward.x), hn::Mul(h.along.y, h.inward.y)),
                               hn::Mul(h.along.z, h.inward.z));
+    const MF followed = hn::AndNot(hn::Lt(cosine, hn::Set(d, rules.model.skim_cosine)), h.hit);
+    const MF far = hn::Ge(h.range, hn::Set(d, rules.dense_range_voxels));
+    const MF oblique = hn::And(hn::And(followed, far), hn::Lt(cosine, hn::Set(d, kOblique)));
+    WriteTrails(d, h, followed, frame, rules, lane, out);
     out->hits |= BitsOf(d, h.hit) << lane;
-    out->oblique |= BitsOf(d, hn::And(hn::And(h.hit, hn::Ge(h.range, hn::Set(d, rules.dense_range_voxels))),
-                                      hn::Lt(cosine, hn::Set(d, kOblique))))
-                    << lane;
+    out->oblique |= BitsOf(d, oblique) << lane;
   }
 }
 

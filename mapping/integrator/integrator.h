@@ -32,6 +32,8 @@ struct IntegratorParams {
   double miss_nats = 0.4;  ///< -L_min
   double hit_nats = 0.8;   ///< of the voxel that holds a return
   double near_nats = 0.4;  ///< at most, of others that the surface reaches; less than hit_nats
+  double skim_cosine =
+      0.0;                 ///< beams at a lower cosine of incidence tell of the voxels of their returns alone
   double edge_nats = 0.2;  ///< an occupied voxel that is free only at a surface's edge loses this
   double pierce_voxels =
       0.5;  ///< a beam clears voxels whose middle it passes this near, whatever ends around

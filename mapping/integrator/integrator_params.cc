@@ -47,6 +47,10 @@ void IntegratorParams::Visit(core::ParamVisitor& v) {
            .min = 0.2,
            .max = 3.0,
            .doc = "most evidence of one scan for other voxels that the surface reaches; less than hit_nats"});
+  v.Field("skim_cosine", &skim_cosine,
+          {.min = 0.0,
+           .max = 1.0,
+           .doc = "beams at a lower cosine of incidence tell of the voxels of their returns alone"});
   v.Field("truncation_voxels", &truncation_voxels,
           {.unit = "voxels", .min = 1.5, .max = 6.0, .doc = "TSDF truncation at the finest scale"});
   v.Field("max_scale", &max_scale,

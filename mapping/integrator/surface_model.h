@@ -15,6 +15,7 @@ struct SurfaceModel {
   float lambda_sigma = 0.0005f;
   float lambda_r = 0.02f;          ///< occupied depth behind the surface, a share of the range ...
   float behind_min_voxels = 1.5f;  ///< ... at least
+  float skim_cosine = 0.0f;        ///< hits at a lower cosine of incidence have no trail
   float behind_max_voxels = 5.0f;  ///< ... and at most
 
   static SurfaceModel Of(const IntegratorParams& params, double resolution_m) {
@@ -28,6 +29,7 @@ struct SurfaceModel {
     m.behind_min_voxels = static_cast<float>(params.behind_min_voxels);
     m.behind_max_voxels =
         static_cast<float>(std::max(params.behind_max_m / resolution_m, params.behind_min_voxels));
+    m.skim_cosine = static_cast<float>(params.skim_cosine);
     return m;
   }
 };

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <set>
+
 #include "mapping/integrator/integrator.h"
 #include "mapping/integrator/occupancy_shift.h"
 #include "tests/support/shape_scans.h"
@@ -78,6 +81,34 @@ TEST(IntegratedSurface, VoxelsOfReturnsKnowTheirPlaceToAQuarter) {
     ASSERT_GT(all, 5000u);
     EXPECT_GT(static_cast<double>(right), 0.95 * static_cast<double>(all)) << offset_m;
     EXPECT_GT(static_cast<double>(near), 0.99 * static_cast<double>(all)) << offset_m;
+  }
+}
+
+TEST(IntegratedSurface, BeamsThatSkimItTellOfTheirReturnsAloneWhereAsked) {
+  // From 8 m on the ground is met at a cosine of 1 / 8 at most.
+  for (const double skim_cosine : {0.0, 0.5}) {
+    mapping::IntegratorParams params;
+    params.skim_cosine = skim_cosine;
+    const Ground ground(Vec3(0, 0, 1), 0.02, params);
+    size_t returns = 0, hits = 0;
+    std::set<std::array<int, 3>> told;
+    ground.ForHits(8.0, 12.0, [&](const Vec3& from, const Vec3& direction, double range) {
+      ++hits;
+      const Vec3 end = from + range * direction;
+      returns += Field::Occupied(ground.map.At(end));
+      for (double off = -0.4; off < 0.4; off += 0.03) {
+        const Vec3 p = end + off * Vec3(direction.x(), direction.y(), 0.0);
+        const mapping::NodeKey key = ground.map.KeyAt(p);
+        if (Field::Occupied(ground.map.At(p))) told.insert({key.x, key.y, key.z});
+      }
+    });
+    ASSERT_GT(hits, 2000u);
+    EXPECT_EQ(returns, hits);
+    if (skim_cosine == 0.0) {
+      EXPECT_GT(told.size(), 2 * hits);
+    } else {
+      EXPECT_LE(told.size(), hits);
+    }
   }
 }
 
