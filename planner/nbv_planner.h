@@ -53,7 +53,7 @@ struct NbvParams {
   std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
   double time_scale_s = 60.0;            ///< continuous: travel of this long costs 1 - 1/e
   // Termination, Eq. 3.8 made scale-free.
-  double stop_ratio = 0.005;    ///< of the greatest utility so far, mean over stop_rounds
+  double stop_ratio = 0.025;    ///< of the greatest utility so far, mean over stop_rounds
   int stop_rounds = 4;          ///< rounds that count
   double flat_share = 0.012;    ///< a sweep that adds less of all surface seen so far counts as flat
   int flat_rounds = 5;          ///< flat sweeps in a row that stop whatever views promise
