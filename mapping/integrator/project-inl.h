@@ -34,6 +34,22 @@ HWY_INLINE uint32_t BitsOf(DF d, MF mask) {
   return static_cast<uint32_t>(bits) & LaneBits(d);
 }
 
+/// Calls visit(at of lane 0, lanes) for sets of lanes, a bit each, whose `at` grows by one from lane to lane,
+/// until all of `wanted` had their turn.
+template <typename Visit>
+HWY_INLINE void ForRuns(DF d, VI at, MF wanted, const Visit& visit) {
+  const DI di;
+  alignas(64) int32_t first[kGroup];
+  const VI from = hn::Sub(at, hn::Iota(di, 0));
+  hn::Store(from, di, first);
+  for (uint32_t left = BitsOf(d, wanted); left != 0;) {
+    const int32_t next = first[__builtin_ctz(left)];
+    const uint32_t run = BitsOf(d, hn::RebindMask(d, hn::Eq(from, hn::Set(di, next)))) & left;
+    left &= ~run;
+    visit(next, run);
+  }
+}
+
 /// ScanImage::offset and back.
 struct Offsets {
   VF u, v;

@@ -114,6 +114,8 @@ void PosesOfScan(const core::SpinEvent& spin, bool motion_aware, ColumnPoses* po
 /// windows reach; nullopt: all.
 void KeepColumns(const std::optional<core::Box3>& box_map, const core::Pose& T_map_lidar, ScanImage* image);
 
+/// Fills the bins: of the rays that fall into a cell, the one nearest to its middle.
+void BinRays(ScanImage* image);
 void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
                ScanImage* image);
 /// @param rotation_map_lidar  for the voxel's support along normals.

@@ -116,103 +116,6 @@ void ProjectRows(const core::LidarScan& scan, const ColumnPoses& poses, const Im
   }
 }
 
-/// Puts a ray into the cell that it falls into, unless that holds one nearer to its middle.
-HWY_INLINE void BinRay(size_t i, ScanImage* image) {
-  const BeamGrid& grid = *image->grid;
-  ScanImage::Bins& bins = image->bins;
-  const float u = image->ray_u[i], v = image->ray_v[i];
-  if (u < 0.0f || v < -0.5f) return;
-  const auto row = static_cast<size_t>(v + 0.5f);
-  if (row >= static_cast<size_t>(image->rows)) return;
-  auto column = static_cast<size_t>(u + 0.5f);
-  const float du = u - static_cast<float>(column), dv = v - static_cast<float>(row);
-  if (column >= static_cast<size_t>(image->columns)) column -= static_cast<size_t>(image->columns);
-  if (!image->Filled(column)) {
-    image->taken[i] = 1;
-    return;
-  }
-  const float per_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[row];
-  const size_t bin = row * bins.pitch + column + 1;
-  const auto apart = [&](float u_off, float v_off) {
-    const float eu = u_off * per_u, ev = v_off * grid.row_pitch_rad[row];
-    return eu * eu + ev * ev;
-  };
-  const float e = apart(du, dv), held = apart(bins.du[bin], bins.dv[bin]);
-  if (e > held || (e == held && bins.ray[bin] < static_cast<int32_t>(i))) return;
-  bins.du[bin] = du;
-  bins.dv[bin] = dv;
-  bins.ray[bin] = static_cast<int32_t>(i);
-}
-
-/// Calls visit(at of lane 0, lanes) for sets of lanes, a bit each, whose `at` grows by one from lane to lane,
-/// until all of `wanted` had their turn.
-template <typename Visit>
-HWY_INLINE void ForRuns(DF d, VI at, MF wanted, const Visit& visit) {
-  const DI di;
-  alignas(64) int32_t first[kGroup];
-  const VI from = hn::Sub(at, hn::Iota(di, 0));
-  hn::Store(from, di, first);
-  for (uint32_t left = BitsOf(d, wanted); left != 0;) {
-    const int32_t next = first[__builtin_ctz(left)];
-    const uint32_t run = BitsOf(d, hn::RebindMask(d, hn::Eq(from, hn::Set(di, next)))) & left;
-    left &= ~run;
-    visit(next, run);
-  }
-}
-
-/// Lanes(d) rays. Those that fall into cells side by side, as nearly all do, go there together.
-HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
-  const DI di;
-  const BeamGrid& grid = *image->grid;
-  ScanImage::Bins& bins = image->bins;
-  const VF half = hn::Set(d, 0.5f), zero = hn::Zero(d);
-  const VF u = hn::LoadU(d, image->ray_u.data() + i), v = hn::LoadU(d, image->ray_v.data() + i);
-  const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
-  const MF in = hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, hn::Neg(half))),
-                        hn::Lt(row, hn::Set(d, static_cast<float>(image->rows))));
-  const VF du = hn::Sub(u, column), dv = hn::Sub(v, row);
-  const VF columns = hn::Set(d, static_cast<float>(image->columns));
-  const VF wrapped = hn::IfThenElse(hn::Lt(column, columns), column, hn::Sub(column, columns));
-  // Exact: images have fewer than 2^24 cells.
-  const VF bin = hn::Add(hn::Mul(hn::IfThenElseZero(in, row), hn::Set(d, static_cast<float>(bins.pitch))),
-                         hn::Add(wrapped, hn::Set(d, 1.0f)));
-  const VI rays = hn::Iota(di, static_cast<int>(i));
-  ForRuns(d, hn::ConvertTo(di, bin), in, [&](int32_t first, uint32_t run) {
-    const auto lane = static_cast<int32_t>(__builtin_ctz(run));
-    const auto to = static_cast<size_t>(first), at = static_cast<size_t>(first + lane) / bins.pitch;
-    const size_t left = static_cast<size_t>(first + lane) % bins.pitch - 1;
-    const auto last = left + static_cast<size_t>(31 - __builtin_clz(run) - lane);
-    if (first < 0 || to + hn::Lanes(d) > bins.ray.size() || !image->Filled(left) || !image->Filled(last)) {
-      for (; run != 0; run &= run - 1) BinRay(i + static_cast<size_t>(__builtin_ctz(run)), image);
-      return;
-    }
-    const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
-    const VF per_v = hn::Set(d, grid.row_pitch_rad[at]);
-    const auto apart = [&](VF u_off, VF v_off) {
-      const VF eu = hn::Mul(u_off, per_u), ev = hn::Mul(v_off, per_v);
-      return hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev));
-    };
-    const VF held = apart(hn::LoadU(d, bins.du.data() + to), hn::LoadU(d, bins.dv.data() + to));
-    const VF e = apart(du, dv);
-    const MF first_of_equals =
-        hn::And(hn::Eq(e, held), hn::RebindMask(d, hn::Lt(rays, hn::LoadU(di, bins.ray.data() + to))));
-    const uint64_t bits = run;
-    const MF nearer = hn::And(hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits)),
-                              hn::Or(hn::Lt(e, held), first_of_equals));
-    hn::BlendedStore(du, nearer, d, bins.du.data() + to);
-    hn::BlendedStore(dv, nearer, d, bins.dv.data() + to);
-    hn::BlendedStore(rays, hn::RebindMask(di, nearer), di, bins.ray.data() + to);
-  });
-}
-
-void BinScan(ScanImage* image) {
-  const DF d;
-  const size_t lanes = hn::Lanes(d), rays = image->taken.size();
-  size_t i = 0;
-  for (; i + lanes <= rays; i += lanes) BinVector(d, i, image);
-  for (; i < rays; ++i) BinRay(i, image);
-}
-
 /// Best match of Lanes(d) cells of a row among the rays in the 3 x 3 bins around; returns how far they reach.
 HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t column, ScanImage* image) {
   const DI di;
@@ -327,30 +230,8 @@ namespace atlas::mapping {
 namespace {
 
 HWY_EXPORT(ProjectRows);
-HWY_EXPORT(BinScan);
 HWY_EXPORT(MatchRows);
 HWY_EXPORT(MarkTaken);
-
-constexpr float kEmptyBin = 1e9f;
-
-/// The ray nearest to the middle of each cell among those that fall into it.
-void BinRays(ScanImage* image) {
-  ScanImage::Bins& bins = image->bins;
-  const auto columns = static_cast<size_t>(image->columns);
-  // Empty bins are told by `du` alone.
-  std::fill_n(bins.du.begin(), bins.ray.size(), kEmptyBin);
-  HWY_DYNAMIC_DISPATCH(BinScan)(image);
-  for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
-    const size_t first = row * bins.pitch, last = first + columns + 1;
-    const auto repeat = [&](size_t to, size_t from) {
-      bins.du[to] = bins.du[from];
-      bins.dv[to] = bins.dv[from];
-      bins.ray[to] = bins.ray[from];
-    };
-    repeat(first, last - 1);
-    repeat(last, first + 1);
-  }
-}
 
 /// Hits left over once cells have chosen.
 void FindSpares(ScanImage* image) {
