@@ -43,10 +43,13 @@ void VisitUnvisited(core::ParamVisitor& v, NbvParams* p) {
 }
 
 void VisitTermination(core::ParamVisitor& v, NbvParams* p) {
-  v.Field("stop_ratio", &p->stop_ratio,
-          {.min = 0.0,
-           .max = 1.0,
-           .doc = "stop where utility falls below this share of the greatest so far (Eq. 3.8, scale-free)"});
+  v.Field(
+      "stop_ratio", &p->stop_ratio,
+      {.min = 0.0,
+       .max = 1.0,
+       .doc =
+           "stop where utility, mean of stop_rounds, falls below this share of the greatest so far (Eq. 3.8, "
+           "scale-free)"});
   v.Field("stop_rounds", &p->stop_rounds,
           {.min = 1, .max = 100, .doc = "latest rounds over which utility must be low and the surface flat"});
   v.Field(

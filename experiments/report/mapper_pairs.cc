@@ -3,35 +3,53 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace atlas::experiments {
 namespace {
 
-bool ArePaired(const RunSummary& a, const RunSummary& b) {
-  return a.experiment == b.experiment && a.gain == b.gain && a.planner == b.planner && a.robot == b.robot &&
-         a.locomotion == b.locomotion && a.seed == b.seed;
+/// All that runs of one row share.
+bool AreAlike(const RunWithCurve& a, const RunWithCurve& b) {
+  return a.summary.experiment == b.summary.experiment && a.summary.gain == b.summary.gain &&
+         a.summary.planner == b.summary.planner && a.variant == b.variant;
 }
 
-/// Means over the pairs of one row.
-struct Row {
-  std::string experiment, gain, planner;
-  int pairs = 0;
-  double at_end = 0.0, at_equal_scans = 0.0, scans = 0.0, integration = 0.0, nbv = 0.0;
+/// The mean of those that there are.
+class Mean {
+ public:
+  void Add(double value) {
+    sum_ += value;
+    ++count_;
+  }
+  void AddRatio(std::optional<double> a, std::optional<double> b) {
+    if (a && b && *b > 0.0) Add(*a / *b);
+  }
+  std::string Text(const char* format) const {
+    return count_ > 0 ? fmt::format(fmt::runtime(format), sum_ / count_) : "-";
+  }
+
+ private:
+  double sum_ = 0.0;
+  int count_ = 0;
 };
 
-double Ratio(std::optional<double> a, std::optional<double> b) {
-  return a && b && *b > 0.0 ? *a / *b : 0.0;
-}
+struct Row {
+  explicit Row(const RunWithCurve* run) : first(run) {}
+
+  const RunWithCurve* first;  ///< the others are like it
+  int pairs = 0;
+  Mean at_end, at_equal_scans, scans, integration, nbv;
+};
 
 void Add(const RunWithCurve& atlas, const RunWithCurve& octomap, Row* row) {
   const auto &a = atlas.curve.coverage, &b = octomap.curve.coverage;
   const size_t both = std::min(a.size(), b.size());
   ++row->pairs;
-  row->at_end += a.back() - b.back();
-  row->at_equal_scans += a[both - 1] - b[both - 1];
-  row->scans += static_cast<double>(a.size()) - static_cast<double>(b.size());
-  row->integration += Ratio(atlas.summary.integration_ms_mean, octomap.summary.integration_ms_mean);
-  row->nbv += Ratio(atlas.summary.nbv_time_s_mean, octomap.summary.nbv_time_s_mean);
+  row->at_end.Add(100.0 * (a.back() - b.back()));
+  row->at_equal_scans.Add(100.0 * (a[both - 1] - b[both - 1]));
+  row->scans.Add(static_cast<double>(a.size()) - static_cast<double>(b.size()));
+  row->integration.AddRatio(atlas.summary.integration_ms_mean, octomap.summary.integration_ms_mean);
+  row->nbv.AddRatio(atlas.summary.nbv_time_s_mean, octomap.summary.nbv_time_s_mean);
 }
 
 }  // namespace
@@ -39,18 +57,16 @@ void Add(const RunWithCurve& atlas, const RunWithCurve& octomap, Row* row) {
 TextTable MapperPairsTable(const std::vector<RunWithCurve>& runs) {
   std::vector<Row> rows;
   for (const RunWithCurve& atlas : runs) {
-    const RunSummary& s = atlas.summary;
-    if (s.mapper != "se_atlas" || atlas.curve.coverage.empty()) continue;
+    if (atlas.summary.mapper != "se_atlas" || atlas.curve.coverage.empty()) continue;
     const auto octomap = std::find_if(runs.begin(), runs.end(), [&](const RunWithCurve& other) {
-      return other.summary.mapper == "octomap" && !other.curve.coverage.empty() &&
-             ArePaired(s, other.summary);
+      return other.summary.mapper == "octomap" && !other.curve.coverage.empty() && AreAlike(atlas, other) &&
+             atlas.summary.seed == other.summary.seed;
     });
     if (octomap == runs.end()) continue;
-    auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
-      return r.experiment == s.experiment && r.gain == s.gain && r.planner == s.planner;
-    });
+    auto row =
+        std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return AreAlike(*r.first, atlas); });
     if (row == rows.end()) {
-      rows.push_back({.experiment = s.experiment, .gain = s.gain, .planner = s.planner});
+      rows.emplace_back(&atlas);
       row = rows.end() - 1;
     }
     Add(atlas, *octomap, &*row);
@@ -62,12 +78,11 @@ TextTable MapperPairsTable(const std::vector<RunWithCurve>& runs) {
                   {}};
   table.left.resize(table.heading.size(), false);
   for (const Row& row : rows) {
-    const double n = row.pairs;
-    table.rows.push_back({row.experiment, row.gain, row.planner, fmt::format("{}", row.pairs),
-                          fmt::format("{:+.2f}", 100.0 * row.at_end / n),
-                          fmt::format("{:+.2f}", 100.0 * row.at_equal_scans / n),
-                          fmt::format("{:+.1f}", row.scans / n), fmt::format("{:.2f}", row.integration / n),
-                          fmt::format("{:.2f}", row.nbv / n)});
+    const RunSummary& s = row.first->summary;
+    table.rows.push_back(
+        {s.experiment, s.gain, row.first->variant.empty() ? s.planner : s.planner + " " + row.first->variant,
+         fmt::format("{}", row.pairs), row.at_end.Text("{:+.2f}"), row.at_equal_scans.Text("{:+.2f}"),
+         row.scans.Text("{:+.1f}"), row.integration.Text("{:.2f}"), row.nbv.Text("{:.2f}")});
   }
   return table;
 }

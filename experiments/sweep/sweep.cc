@@ -204,13 +204,22 @@ void Validate(const std::vector<SweepRun>& runs, const SweepOptions& options) {
   }
 }
 
+/// The variant of a run less its mapper's name.
+std::string VariantBesideMapper(const SweepRun& run, const std::string& mapper) {
+  const std::string name = "mapper.name=" + mapper;
+  const size_t at = run.variant.find(name);
+  if (at == std::string::npos) return run.variant;
+  std::string variant = run.variant;
+  return variant.erase(at > 0 ? at - 1 : at, name.size() + 1);  // and the space beside it
+}
+
 std::vector<RunWithCurve> WithCurves(const std::vector<SweepRun>& runs) {
   std::vector<RunWithCurve> with;
   for (const SweepRun& run : runs) {
     const auto summary = FinishedRun(run);
     if (!summary) continue;
     try {
-      with.push_back({*summary, LoadCoverageCurve(run.folder)});
+      with.push_back({*summary, VariantBesideMapper(run, summary->mapper), LoadCoverageCurve(run.folder)});
     } catch (const core::InputError&) {
       continue;  // a damaged curve costs its pair, not the table
     }
@@ -243,6 +252,7 @@ int Conclude(const std::vector<SweepRun>& runs, const fs::path& folder, std::ost
   core::WriteFileAtomically(folder / "statistics.csv", ToCsv(StatisticsTable(groups)));
   if (!finished.empty()) out << "\n" << CoverageTable(groups);
   const TextTable pairs = MapperPairsTable(WithCurves(runs));
+  fs::remove(folder / "pairs.md");
   if (!pairs.rows.empty()) {
     core::WriteFileAtomically(folder / "pairs.md", ToMarkdown(pairs));
     out << "\nSE-Atlas against OctoMap, mean over pairs of runs with the same seed: difference of coverage "
@@ -251,7 +261,8 @@ int Conclude(const std::vector<SweepRun>& runs, const fs::path& folder, std::ost
   }
   if (!bad.empty()) out << fmt::format("\n{} of {} runs did not end well:\n", bad.size(), runs.size());
   for (const std::string& line : bad) out << "  " << line << "\n";
-  out << fmt::format("\ntables: {}\n", (folder / "table.{md,csv,tex}").string());
+  out << fmt::format("\ntables: {}\n",
+                     (folder / "table.{md,csv,tex}").string() + (pairs.rows.empty() ? "" : ", pairs.md"));
   return bad.empty() ? 0 : 1;
 }
 

@@ -27,7 +27,7 @@ IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3
   integrator.region_map = region;
   // Sweeps from near by: what is held without a return is cleared sooner than from afar.
   integrator.near_nats = 0.2;
-  // What lies between returns that are far apart is left for a view from nearer by.
+  // Beams that skim a surface return far apart: what lies between is left for another view.
   integrator.skim_cosine = 0.5;
   // Behind a surface that ends, evidence would hide what the next view is to find.
   integrator.behind_max_m = integrator.behind_min_voxels * params.resolution_m;

@@ -1,5 +1,7 @@
 #include "mapping/integrator/beam_grid.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -56,7 +58,7 @@ void FitRows(const std::vector<double>& descending, BeamGrid* grid) {
     rows(i) = RowOfElevation(descending, std::asin(sine));
   }
   const Eigen::VectorXd terms = powers.colPivHouseholderQr().solve(rows);
-  grid->even = (powers * terms - rows).cwiseAbs().maxCoeff() < BeamGrid::kEvenRows;
+  grid->polynomial = (powers * terms - rows).cwiseAbs().maxCoeff() < BeamGrid::kWorstFit;
   grid->row_of_level = static_cast<float>(terms(0));
   for (Eigen::Index k = 0; k < kTerms; ++k) {
     grid->row_terms[static_cast<size_t>(k)] = static_cast<float>(terms(k + 1));
@@ -99,6 +101,10 @@ BeamGrid MakeBeamGrid(const core::LidarModel& lidar) {
   if (grid.columns < 16 || grid.columns > 16384) {
     throw core::InputError(name + "needs 16 to 16384 columns a turn");
   }
+  if (static_cast<size_t>(grid.rows) * static_cast<size_t>(grid.columns) > BeamGrid::kMostCells) {
+    throw core::InputError(fmt::format("{}{} x {} beams a turn are more than {}", name, grid.rows,
+                                       grid.columns, BeamGrid::kMostCells));
+  }
   grid.column_pitch_rad = 2.0 * core::kPi / grid.columns;
   grid.clockwise = lidar.StepRad() < 0.0;
   grid.min_pitch_rad = grid.column_pitch_rad;
@@ -108,20 +114,6 @@ BeamGrid MakeBeamGrid(const core::LidarModel& lidar) {
   FillRowTable(descending, &grid);
   FitRows(descending, &grid);
   return grid;
-}
-
-float RowOfSine(const BeamGrid& grid, float sine) {
-  if (grid.even) {
-    const float s = std::clamp(sine, grid.sin_min, grid.sin_max), square = s * s;
-    float p = grid.row_terms.back();
-    for (size_t i = grid.row_terms.size() - 1; i-- > 0;) p = p * square + grid.row_terms[i];
-    return p * s + grid.row_of_level;
-  }
-  const float x = std::clamp((sine - grid.sin_min) * grid.intervals_per_sin, 0.0f,
-                             static_cast<float>(BeamGrid::kTableIntervals) - 0.001f);
-  const auto i = static_cast<size_t>(x);
-  const float a = grid.row_of_sin[i], b = grid.row_of_sin[i + 1];
-  return a + (x - static_cast<float>(i)) * (b - a);
 }
 
 }  // namespace atlas::mapping

@@ -2,12 +2,12 @@
 //
 // Directions become grid coordinates (u, v): u counts columns by ascending azimuth in [0, columns), v counts
 // rows from the highest beam downwards, -0.5 to rows - 0.5 inside, linear in the elevation between beams.
-// Rows may be at any elevations: their coordinate comes from a table over the sine, or a polynomial in it
-// where the elevations are even.
+// Rows may be at any elevations: their coordinate comes from a table over the sine, or from a polynomial in
+// it where that fits, as it does where the elevations are even and stay within +-30 degrees or so.
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 #include "core/lidar_model.h"
@@ -15,6 +15,8 @@
 namespace atlas::mapping {
 
 struct BeamGrid {
+  static constexpr size_t kMostCells = size_t{1}
+                                       << 23;  ///< images, with their margins, are indexed by floats
   int rows = 0;
   int columns = 0;
   double column_pitch_rad = 0.0;
@@ -27,9 +29,10 @@ struct BeamGrid {
   std::vector<float> cos_elevation;  ///< a row each
 
   float sin_min = 0.0f, sin_max = 0.0f;  ///< rows go on growing evenly outside the grid from here to there
-  /// Where `even`: row = row_of_level + the sum of row_terms[i] * sine^(2 i + 1), within kEvenRows.
-  static constexpr double kEvenRows = 2e-3;
-  bool even = false;
+  /// Where `polynomial`: row = row_of_level + the sum of row_terms[i] * sine^(2 i + 1), within kWorstFit
+  /// rows.
+  static constexpr double kWorstFit = 2e-3;
+  bool polynomial = false;
   float row_of_level = 0.0f;
   std::array<float, 5> row_terms{};
   static constexpr int kTableIntervals = 4096;
@@ -37,10 +40,8 @@ struct BeamGrid {
   std::vector<float> row_of_sin;  ///< kTableIntervals + 1 knots from sin_min
 };
 
-/// @throws InputError for fewer than 2 rows or 16 columns, or elevations that coincide or leave +-90 degrees.
+/// @throws InputError for fewer than 2 rows or 16 columns, more than 1024, 16384 or kMostCells in all, or
+/// elevations that coincide or leave +-90 degrees.
 BeamGrid MakeBeamGrid(const core::LidarModel& lidar);
-
-/// Row coordinate of a direction with this sine of elevation; the same arithmetic as the vectorised ones.
-float RowOfSine(const BeamGrid& grid, float sine);
 
 }  // namespace atlas::mapping

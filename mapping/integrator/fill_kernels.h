@@ -51,8 +51,8 @@ CubeTests TestBoxes(const ScanImage& image, const ScanFrame& frame, const float*
 struct CubeSlopes {
   alignas(64) float u[16], v[16], distance[16], du[3][16], dv[3][16], ddistance[3][16];
   alignas(64) float metres_per_column[16], metres_per_row[16];
-  /// Windows of the grid, of kRows[i] x kColumns[i] cells. All cells that are asked for lie in window[lane]
-  /// from here; kWindows: in none.
+  /// Windows of the grid, of kRows[i] x kColumns[i] cells. All cells within the grid's rows that are asked
+  /// for lie in window[lane] from here; kWindows: in none.
   static constexpr int kWindows = 2, kRows[] = {4, 8}, kColumns[] = {8, 16};
   alignas(64) int32_t first_column[16], first_row[16], window[16];
 };

@@ -18,7 +18,8 @@ void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage:
   const auto cell = static_cast<size_t>(spare.cell);
   const size_t at = queue->count++;
   const float inverse = 1.0f / frame.resolution_m;
-  const bool near = std::abs(image.range[cell] - spare.range) < frame.resolution_m;
+  const float in_cell = image.range[cell];
+  const bool near = in_cell > 0.0f && std::abs(in_cell - spare.range) < frame.resolution_m;
   const float range = spare.range * inverse;
   queue->range[at] = range;
   for (int a = 0; a < 3; ++a) {

@@ -19,8 +19,8 @@ struct HitBlock {
 
 class HitScatter {
  public:
-  /// Where the hits of the image lie against the lattice: fills `frame`, with a window that holds every ray's
-  /// end.
+  /// Where the hits of the image lie against the lattice: fills `frame`, with a window that holds the end of
+  /// every cell's ray; a spare hit outside is left out.
   static void Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m,
                     ScanFrame* frame);
 

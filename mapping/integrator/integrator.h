@@ -29,12 +29,11 @@ struct IntegratorParams {
   double behind_min_voxels = 2.0;  ///< lambda_r d is at least this
   double behind_max_m = 0.25;  ///< and at most this: far returns must not thicken walls into the next room
   // Evidence a scan, rounded to steps of 0.2 nats (OccupancyField::kPlaces):
-  double miss_nats = 0.4;  ///< -L_min
-  double hit_nats = 0.8;   ///< of the voxel that holds a return
-  double near_nats = 0.4;  ///< at most, of others that the surface reaches; less than hit_nats
-  double skim_cosine =
-      0.0;                 ///< beams at a lower cosine of incidence tell of the voxels of their returns alone
-  double edge_nats = 0.2;  ///< an occupied voxel that is free only at a surface's edge loses this
+  double miss_nats = 0.4;    ///< -L_min
+  double hit_nats = 0.8;     ///< of the voxel that holds a return
+  double near_nats = 0.4;    ///< at most, of others that the surface reaches; less than hit_nats
+  double skim_cosine = 0.0;  ///< beams at a lower cosine of incidence tell of their returns' voxels alone
+  double edge_nats = 0.2;    ///< an occupied voxel that is free only at a surface's edge loses this
   double pierce_voxels =
       0.5;  ///< a beam clears voxels whose middle it passes this near, whatever ends around
   double truncation_voxels = 3.0;  ///< TSDF: at scale 1; grows with the scale of integration

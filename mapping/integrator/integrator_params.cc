@@ -47,10 +47,14 @@ void IntegratorParams::Visit(core::ParamVisitor& v) {
            .min = 0.2,
            .max = 3.0,
            .doc = "most evidence of one scan for other voxels that the surface reaches; less than hit_nats"});
-  v.Field("skim_cosine", &skim_cosine,
-          {.min = 0.0,
-           .max = 1.0,
-           .doc = "beams at a lower cosine of incidence tell of the voxels of their returns alone"});
+  v.Field(
+      "skim_cosine", &skim_cosine,
+      {.min = 0.0,
+       .max = 1.0,
+       .doc =
+           "beams at a lower cosine of incidence tell of the voxels of their returns alone, and other beams "
+           "that return from those voxels do no more; 0: none, from 0.5 on no beam tells what it passes "
+           "over. Of organised occupancy scans only"});
   v.Field("truncation_voxels", &truncation_voxels,
           {.unit = "voxels", .min = 1.5, .max = 6.0, .doc = "TSDF truncation at the finest scale"});
   v.Field("max_scale", &max_scale,

@@ -125,10 +125,10 @@ HWY_INLINE VF ColumnOf(DF d, const BeamGrid& grid, VF x, VF y) {
   return WrapColumn(d, u, static_cast<float>(grid.columns));
 }
 
-/// As RowOfSine.
+/// Row coordinate of directions with this sine of elevation.
 HWY_INLINE VF RowOf(DF d, const BeamGrid& grid, VF sine) {
   const DI di;
-  if (grid.even) {
+  if (grid.polynomial) {
     const VF s = hn::Min(hn::Max(sine, hn::Set(d, grid.sin_min)), hn::Set(d, grid.sin_max));
     const VF square = hn::Mul(s, s);
     VF p = hn::Set(d, grid.row_terms.back());

@@ -32,7 +32,7 @@ struct ScanImage {
   const BeamGrid* grid = nullptr;
   int rows = 0, columns = 0;
   /// The columns that the stages fill, [first, last) in whole groups of 16: all, or those that see what is
-  /// kept (KeepColumns). What the others hold is left over from other scans.
+  /// kept (KeepColumns). What the others hold is left over from other scans and stages.
   struct Run {
     size_t first, last;
   };

@@ -265,8 +265,8 @@ void ShareMemory(bool rays_first, size_t rays, ScanImage* image) {
       {&i.ray_u, &i.own[0]},      {&i.ray_v, &i.surround[0]}, {&i.ray_range, &i.window[2]},
       {&i.bins.du, &i.window[3]}, {&i.bins.dv, &i.window[4]}};
   for (const auto& [before, after] : shared) {
-    std::vector<float>*from = rays_first ? after : before, *to = rays_first ? before : after;
-    *to = std::move(*from);
+    std::vector<float>* to = rays_first ? before : after;
+    std::swap(*before, *after);
     to->resize(std::max({to->size(), rays, i.bins.ray.size()}));
   }
 }

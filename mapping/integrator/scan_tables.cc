@@ -172,7 +172,7 @@ void PrepareTables(ScanImage* image) {
   constexpr size_t kRowsBelow = CubeSlopes::kRows[CubeSlopes::kWindows - 1];  // windows may reach out
   for (std::vector<float>& table : image->own) table.resize((rows + kRowsBelow) * pitch + kSlack);
   for (std::vector<float>& table : image->surround) {
-    table.resize((rows + 1 + kRowsBelow) * pitch + kSlack, kNothing);
+    table.resize((rows + 1 + kRowsBelow) * pitch + kSlack);
   }
 
   const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;

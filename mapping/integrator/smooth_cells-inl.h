@@ -116,6 +116,7 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
   const DI di;
   const ScanImage& image = *images.image;
   const size_t lanes = hn::Lanes(d);
+  if (s.first_row >= image.rows) return {0, 0};  // all below the grid, and windows would leave the tables
   const VF half = hn::Set(d, 0.5f);
   // From a cell to the window around it.
   const float* const around_first = images.around +

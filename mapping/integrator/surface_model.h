@@ -15,8 +15,8 @@ struct SurfaceModel {
   float lambda_sigma = 0.0005f;
   float lambda_r = 0.02f;          ///< occupied depth behind the surface, a share of the range ...
   float behind_min_voxels = 1.5f;  ///< ... at least
-  float skim_cosine = 0.0f;        ///< hits at a lower cosine of incidence have no trail
   float behind_max_voxels = 5.0f;  ///< ... and at most
+  float skim_cosine = 0.0f;        ///< hits at a lower cosine of incidence have no trail
 
   static SurfaceModel Of(const IntegratorParams& params, double resolution_m) {
     SurfaceModel m;

@@ -228,8 +228,29 @@ TEST(MapperPairs, AreComparedAtTheirEndsAndAfterEqualScans) {
   EXPECT_EQ(row[4], "+5.00");   // (-20 + 30) / 2
   EXPECT_EQ(row[5], "+10.00");  // (10 + 10) / 2
   EXPECT_EQ(row[6], "+0.0");
+  EXPECT_EQ(row[7], "-");
   EXPECT_EQ(row[8], "0.75");
   EXPECT_TRUE(MapperPairsTable({runs[0], runs[2]}).rows.empty());
+}
+
+TEST(MapperPairs, DifferInTheMapperOnly) {
+  const auto run = [](const std::string& mapper, const std::string& variant, double coverage) {
+    RunWithCurve run;
+    run.summary = RunOf("car", 1, coverage);
+    run.summary.mapper = mapper;
+    if (variant == "a=2") run.summary.integration_ms_mean = mapper == "octomap" ? 200.0 : 50.0;
+    run.variant = variant;
+    run.curve.coverage = {coverage};
+    return run;
+  };
+  const TextTable table = MapperPairsTable({run("octomap", "a=1", 0.4), run("octomap", "a=2", 0.6),
+                                            run("se_atlas", "a=1", 0.5), run("se_atlas", "a=2", 0.5)});
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_NE(table.rows[0][2].find("a=1"), std::string::npos);
+  EXPECT_EQ(table.rows[0][4], "+10.00");
+  EXPECT_EQ(table.rows[0][7], "-");
+  EXPECT_EQ(table.rows[1][4], "-10.00");
+  EXPECT_EQ(table.rows[1][7], "0.25");
 }
 
 }  // namespace

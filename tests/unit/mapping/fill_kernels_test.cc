@@ -258,6 +258,25 @@ TEST_F(FillKernels, VoxelsAreFreeWherePlainArithmeticSaysSo) {
   EXPECT_GT(smooth, 1000);
 }
 
+TEST_F(FillKernels, WindowsBelowTheGridAskNothing) {
+  // Slopes of an octant just below the last row, in a corner of the images.
+  OctantTests tests{};
+  tests.cubes.smooth = tests.cubes.mixed = 1;
+  CubeSlopes& s = tests.slopes;
+  s.u[0] = static_cast<float>(grid_.columns) - 2.0f;
+  s.first_column[0] = grid_.columns - 8;
+  for (int below = 0; below < 3; ++below) {
+    s.v[0] = static_cast<float>(grid_.rows + below);
+    s.first_row[0] = grid_.rows + below;
+    for (int window = 0; window < CubeSlopes::kWindows; ++window) {
+      s.window[0] = window;
+      VoxelBits free{};
+      TestVoxels(image_, frame_, {0, 0, 0}, tests, 0, 1, &free);
+      for (const uint64_t layer : free.layer) EXPECT_EQ(layer, 0u);
+    }
+  }
+}
+
 TEST(FillKernelsRepeat, FarScenesGiveTheSameMapOnEverySimdTarget) {
   const core::LidarModel lidar = core::FindLidarModel("os1_64");
   core::Rng noise(6);

@@ -26,20 +26,25 @@ TYPED_TEST_SUITE(IntegratorRepeats, Fields);
 TYPED_TEST(IntegratorRepeats, SameMapOnEverySimdTarget) {
   const std::vector<std::string> targets = SimdTargets();
   ASSERT_FALSE(targets.empty());
-  LimitSimd("scalar");
-  EXPECT_EQ(SimdInUse(), "scalar");
-  const auto expected = this->Digest({});
-  EXPECT_GT(expected.size(), 100000u);
-  for (const std::string& target : targets) {
-    LimitSimd(target);
-    EXPECT_EQ(SimdInUse(), target);
-    EXPECT_TRUE(this->Digest({}) == expected) << target;
+  for (const double skim_cosine : {0.0, 0.5}) {
+    IntegratorParams params;
+    params.skim_cosine = skim_cosine;
+    LimitSimd("scalar");
+    EXPECT_EQ(SimdInUse(), "scalar");
+    const auto expected = this->Digest(params);
+    EXPECT_GT(expected.size(), 100000u);
+    for (const std::string& target : targets) {
+      LimitSimd(target);
+      EXPECT_EQ(SimdInUse(), target);
+      EXPECT_TRUE(this->Digest(params) == expected) << target;
+    }
   }
   EXPECT_THROW(LimitSimd("mmx"), std::runtime_error);
 }
 
 TYPED_TEST(IntegratorRepeats, SameMapForAnyNumberOfThreads) {
   IntegratorParams params;
+  params.skim_cosine = 0.5;
   const auto expected = this->Digest(params);
   for (const int threads : {2, 4}) {
     params.threads = threads;
