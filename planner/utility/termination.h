@@ -7,10 +7,10 @@ namespace atlas::planner {
 
 /// As in NbvParams, where the defaults are.
 struct TerminationParams {
-  double stop_ratio = 0.0;   ///< of the greatest utility so far
-  double flat_share = 0.0;   ///< a sweep that adds less of all surface seen so far adds nothing
-  int stop_rounds = 1;       ///< the latest rounds, over which utility must be low and the surface flat
-  int flat_rounds = 1;       ///< flat sweeps in a row that end the mission whatever is promised
+  double stop_ratio = 0.0;  ///< of the greatest utility so far
+  double flat_share = 0.0;  ///< a sweep that adds less of all surface seen so far adds nothing
+  int stop_rounds = 1;      ///< the latest rounds, over which utility must be low and the surface flat
+  int flat_rounds = 1;      ///< flat sweeps in a row that end the mission whatever is promised
 };
 
 /// Eq. 3.8 stops when the best utility falls below a threshold; here the threshold is a share of the greatest
