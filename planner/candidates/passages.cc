@@ -13,7 +13,7 @@ namespace {
 
 using core::Vec2;
 
-constexpr double kGrid_m = 0.05;
+constexpr double kGrid_m = 0.04;  ///< as the cells of terrain maps: a way may be a single one wide
 constexpr int kHeadings = 48;  ///< over a full turn
 constexpr double kStride_m = 0.05;
 constexpr double kSideStep_m = 0.02, kWidest_m = 0.3;  ///< room to the sides is measured in steps, up to this
@@ -138,13 +138,15 @@ class Search {
   }
 
   /// The straight way that leaves the area at `a` and comes out on another one.
-  std::optional<Way> WayFrom(const Vec2& a, const Vec2& u) const {
+  /// @param leave_m  within so much of `a` it may still be in that area.
+  std::optional<Way> WayFrom(const Vec2& a, const Vec2& u, double leave_m = 0.0) const {
     const int from = areas_.Near(a);
     for (double s = kStride_m; s <= longest_m_; s += kStride_m) {
       const Vec2 p = a + s * u;
       const int area = areas_.Near(p);
-      if (area == from) return std::nullopt;
       if (!Fits(p, u)) return std::nullopt;
+      if (area == from && s <= leave_m) continue;
+      if (area == from) return std::nullopt;
       if (area == Areas::kOff || !walkable_.CanStand(p)) continue;
       return Way{a, u, s, 0.0, {std::min(from, area), std::max(from, area)}};
     }
@@ -176,7 +178,8 @@ class Search {
     while (walkable_.CanStand(a + kStride_m * way.u) && areas_.Near(a + kStride_m * way.u) == from) {
       a += kStride_m * way.u;
     }
-    auto centred = WayFrom(a, way.u);
+    // Beside the places of the grid the area may end elsewhere than on them.
+    auto centred = WayFrom(a, way.u, 2.0 * kGrid_m);
     if (!centred || centred->joins != way.joins) return std::nullopt;
     centred->clearance_m = 0.5 * (to_left + to_right);
     return centred;

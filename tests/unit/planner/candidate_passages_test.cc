@@ -59,6 +59,20 @@ TEST(Passages, EveryDoorwayHasOneAndOnlyDoorwaysHave) {
   EXPECT_NEAR(passages[1].a.x(), 1.88, 0.03);
 }
 
+TEST(Passages, AWayOfOneCellIsFoundWhereverItLies) {
+  // Little more room than the footprint's width: 3 cm to place its middle in.
+  core::Rng rng(6);
+  for (int k = 0; k < 40; ++k) {
+    const double x = rng.Uniform(-2.0, 2.0), y = rng.Uniform(1.0, 2.0);
+    tests::FlatGround ground(8.0);
+    AddWall(y, {{x, 0.7}}, &ground);
+    const std::vector<Passage> passages = FindPassages(Walkable(ground, Vec2::Zero()), 1.6);
+    ASSERT_EQ(passages.size(), 1u) << x << " " << y;
+    EXPECT_NEAR(passages[0].a.x(), x, 0.03);
+    EXPECT_NEAR(passages[0].b.x(), x, 0.03);
+  }
+}
+
 TEST(Passages, LongerThanAskedForIsNoPassage) {
   tests::FlatGround ground;
   ground.AddObstacle(Vec2(-9.0, 1.0), Vec2(-0.45, 2.5));
