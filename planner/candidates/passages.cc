@@ -14,7 +14,7 @@ namespace {
 using core::Vec2;
 
 constexpr double kGrid_m = 0.04;  ///< as the cells of terrain maps: a way may be a single one wide
-constexpr int kHeadings = 48;  ///< over a full turn
+constexpr int kHeadings = 48;     ///< over a full turn
 constexpr double kStride_m = 0.05;
 constexpr double kSideStep_m = 0.02, kWidest_m = 0.3;  ///< room to the sides is measured in steps, up to this
 constexpr double kRunUp_m = 0.3;
