@@ -151,8 +151,7 @@ HWY_INLINE void Complete(DF d, const Vector3& w, const ScanFrame& frame, Hits* h
 HWY_INLINE void Append(DF d, const HitQueue& group, uint32_t which, HitQueue* queue) {
   const size_t lanes = hn::Lanes(d);
   for (size_t i = 0; i < kHitGroup; i += lanes) {
-    const uint64_t bits = which >> i & LaneBits(d);
-    const MF mask = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
+    const MF mask = MaskOf(d, which >> i);
     const auto add = [&](const float* from, float* to) {
       return hn::CompressStore(hn::Load(d, from + i), mask, d, to + queue->count);
     };

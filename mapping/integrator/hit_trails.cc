@@ -199,8 +199,7 @@ uint32_t NewOfGroup(const HitTrails& trails, const int8_t* held) {
     const uint32_t said = trails.says[0] >> i & LaneBits(d);
     VI place = hn::Load(di, trails.place[0] + i);
     if (said == 0) continue;
-    const uint64_t bits = said;
-    place = hn::IfThenElseZero(hn::LoadMaskBits(di, reinterpret_cast<const uint8_t*>(&bits)), place);
+    place = hn::IfThenElseZero(MaskOf(di, said), place);
     const VI value = HeldAt(held, place);
     more |= BitsOf(d, hn::RebindMask(d, hn::Lt(value, hn::Load(di, trails.said + i)))) << i;
   }
@@ -216,8 +215,7 @@ HWY_INLINE void PackAll(const TrailVoxels<kMost>& voxels, uint32_t hits, VoxelUp
     const uint32_t says = voxels.says[at] & hits;
     if (says == 0) continue;
     for (size_t i = 0; i < kHitGroup; i += lanes) {
-      const uint64_t bits = says >> i;
-      const auto mask = hn::LoadMaskBits(di, reinterpret_cast<const uint8_t*>(&bits));
+      const auto mask = MaskOf(di, says >> i);
       hn::CompressStore(hn::Load(di, voxels.delta[at] + i), mask, di, out->delta + count);
       count += hn::CompressStore(hn::Load(di, voxels.place[at] + i), mask, di, out->place + count);
     }

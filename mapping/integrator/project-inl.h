@@ -34,6 +34,12 @@ HWY_INLINE uint32_t BitsOf(DF d, MF mask) {
   return static_cast<uint32_t>(bits) & LaneBits(d);
 }
 
+/// And back, for lanes of any kind; bits beyond them do not count.
+template <typename D>
+HWY_INLINE hn::Mask<D> MaskOf(D d, uint64_t bits) {
+  return hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
+}
+
 /// Calls visit(at of lane 0, lanes) for sets of lanes, a bit each, whose `at` grows by one from lane to lane,
 /// until all of `wanted` had their turn.
 template <typename Visit>

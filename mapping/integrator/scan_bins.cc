@@ -77,9 +77,7 @@ HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
     const VF e = apart(du, dv);
     const MF first_of_equals =
         hn::And(hn::Eq(e, held), hn::RebindMask(d, hn::Lt(rays, hn::LoadU(di, bins.ray.data() + to))));
-    const uint64_t bits = run;
-    const MF nearer = hn::And(hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits)),
-                              hn::Or(hn::Lt(e, held), first_of_equals));
+    const MF nearer = hn::And(MaskOf(d, run), hn::Or(hn::Lt(e, held), first_of_equals));
     hn::BlendedStore(du, nearer, d, bins.du.data() + to);
     hn::BlendedStore(dv, nearer, d, bins.dv.data() + to);
     hn::BlendedStore(rays, hn::RebindMask(di, nearer), di, bins.ray.data() + to);

@@ -163,8 +163,7 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
   VF range = hn::Zero(d), x = range, y = range, z = range;
   ForRuns(d, best_ray, hn::RebindMask(d, hn::Gt(best_ray, hn::Set(di, -1))),
           [&](int32_t first, uint32_t run) {
-            const uint64_t bits = run;
-            const MF mask = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
+            const MF mask = MaskOf(d, run);
             const auto from = static_cast<size_t>(first);
             const bool within = first >= 0 && from + hn::Lanes(d) <= image->taken.size();
             const auto fetch = [&](const std::vector<float>& rays, VF* to) {
@@ -198,9 +197,7 @@ void MarkTaken(ScanImage* image) {
         for (; run != 0; run &= run - 1) image->taken[static_cast<size_t>(first + __builtin_ctz(run))] = 1;
         return;
       }
-      const uint64_t bits = run;
-      hn::BlendedStore(one, hn::LoadMaskBits(d8, reinterpret_cast<const uint8_t*>(&bits)), d8,
-                       image->taken.data() + first);
+      hn::BlendedStore(one, MaskOf(d8, run), d8, image->taken.data() + first);
     });
   };
   for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {

@@ -145,8 +145,10 @@ class Search {
       const Vec2 p = a + s * u;
       const int area = areas_.Near(p);
       if (!Fits(p, u)) return std::nullopt;
-      if (area == from && s <= leave_m) continue;
-      if (area == from) return std::nullopt;
+      if (area == from) {
+        if (s <= leave_m) continue;
+        return std::nullopt;
+      }
       if (area == Areas::kOff || !walkable_.CanStand(p)) continue;
       return Way{a, u, s, 0.0, {std::min(from, area), std::max(from, area)}};
     }
