@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/safe_text.h"
+
 namespace atlas::core {
 namespace {
 
@@ -24,6 +26,11 @@ size_t EditDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+std::string OneLine(std::string text) {
+  while (text.ends_with(' ') || text.ends_with('\n') || text.ends_with('\r')) text.pop_back();
+  return Printable(text);
+}
+
 }  // namespace
 
 std::string NearestName(std::string_view name, const std::vector<std::string>& valid) {
@@ -39,13 +46,7 @@ std::string NearestName(std::string_view name, const std::vector<std::string>& v
   return best;
 }
 
-std::string OneLine(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  while (text.ends_with(' ')) text.pop_back();
-  return text;
-}
+InputError::InputError(std::string message) : std::runtime_error(OneLine(std::move(message))) {}
 
 std::string UnknownName(std::string_view kind, std::string_view name, const std::vector<std::string>& valid) {
   const std::string near = NearestName(name, valid);

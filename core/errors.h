@@ -9,15 +9,12 @@
 
 namespace atlas::core {
 
-/// `text` with line ends and other control characters replaced by blanks.
-std::string OneLine(std::string text);
-
 /// Bad input from a user: config, scene, robot, scan, map file or command line. `what()` is one line (by
-/// OneLine, since messages quote what files hold) that names the file, the field, the value and the limit.
-/// The command line prints it and exits with code 2.
+/// core::Printable, since messages quote what files hold) that names the file, the field, the value and the
+/// limit. The command line prints it and exits with code 2.
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(std::string message) : std::runtime_error(OneLine(std::move(message))) {}
+  explicit InputError(std::string message);
 };
 
 /// "unknown gain 'foo'; did you mean 'fog'? (valid: a, b, c)": the message for a name missing from a

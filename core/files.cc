@@ -5,7 +5,7 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
+#include <fstream>
 #include <sstream>
 
 #include "core/errors.h"
@@ -14,6 +14,8 @@ namespace atlas::core {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr size_t kPieceBytes = 1 << 16;
+
 fs::path InstallRoot() {
   const char* home = std::getenv("ATLAS_HOME");
   return home != nullptr && *home != '\0' ? fs::path(home) : fs::path(ATLAS_SOURCE_DIR);
@@ -21,37 +23,31 @@ fs::path InstallRoot() {
 
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path path)
-    : path_(std::move(path)), beside_(path_.string() + fmt::format(".tmp{}", ::getpid())) {
-  std::error_code error;
-  if (path_.has_parent_path()) fs::create_directories(path_.parent_path(), error);
-  out_.open(beside_, std::ios::binary | std::ios::trunc);
-  if (!out_) Fail(std::strerror(errno));
-}
-
-AtomicFile::~AtomicFile() {
-  if (committed_) return;
-  std::error_code error;
-  out_.close();
-  fs::remove(beside_, error);
-}
-
-void AtomicFile::Fail(const std::string& reason) {
-  throw InputError(fmt::format("{}: cannot write ({})", path_.string(), reason));
+void AtomicFile::Send(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::write(file_.descriptor(), bytes.data(), bytes.size());
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) file_.Fail(sent == 0 ? ENOSPC : errno);
+    bytes.remove_prefix(static_cast<size_t>(sent));
+  }
 }
 
 void AtomicFile::Write(std::string_view content) {
-  out_.write(content.data(), static_cast<std::streamsize>(content.size()));
-  if (!out_) Fail(std::strerror(errno));
+  if (pending_.size() + content.size() > kPieceBytes) {
+    Send(pending_);
+    pending_.clear();
+  }
+  if (content.size() > kPieceBytes) {
+    Send(content);
+  } else {
+    pending_ += content;
+  }
 }
 
 void AtomicFile::Commit() {
-  out_.close();
-  if (!out_) Fail(std::strerror(errno));
-  std::error_code error;
-  fs::rename(beside_, path_, error);
-  if (error) Fail(error.message());
-  committed_ = true;
+  Send(pending_);
+  pending_.clear();
+  file_.Commit();
 }
 
 void WriteFileAtomically(const fs::path& path, std::string_view content) {

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
+
+#include "core/temporary_file.h"
 
 namespace atlas::core {
 
@@ -16,19 +17,16 @@ void WriteFileAtomically(const std::filesystem::path& path, std::string_view con
 /// Commit. What was not committed leaves nothing behind.
 class AtomicFile {
  public:
-  /// @throws InputError naming the path when it cannot be written; so does Write, and Commit.
-  explicit AtomicFile(std::filesystem::path path);
-  ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
+  /// @throws InputError naming the path when it cannot be written (a full disk, a limit on file sizes); so
+  /// does Write, and Commit.
+  explicit AtomicFile(std::filesystem::path path) : file_(std::move(path)) {}
   void Write(std::string_view content);
   void Commit();
 
  private:
-  [[noreturn]] void Fail(const std::string& reason);
-  std::filesystem::path path_, beside_;
-  std::ofstream out_;
-  bool committed_ = false;
+  void Send(std::string_view bytes);
+  TemporaryFile file_;
+  std::string pending_;  ///< small pieces are sent together
 };
 
 /// The whole file. @throws InputError "PATH: no such file" or the like.

@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <cmath>
+#include <fstream>
 #include <memory>
 
 #include "core/byte_reader.h"

@@ -72,18 +72,6 @@ TEST(ParallelFor, CoversEachIndexOnceAndPassesExceptionsOn) {
   }
 }
 
-TEST(Files, AreWrittenWholeOrNotAtAll) {
-  const auto dir = std::filesystem::temp_directory_path() / ("atlas_files_" + std::to_string(::getpid()));
-  WriteFileAtomically(dir / "deep" / "a.txt", "one");
-  WriteFileAtomically(dir / "deep" / "a.txt", "two");
-  EXPECT_EQ(ReadFile(dir / "deep" / "a.txt"), "two");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(dir / "deep"), {}), 1);
-  EXPECT_THROW(WriteFileAtomically(dir / "deep" / "a.txt" / "b", "x"), InputError);
-  EXPECT_THROW(ReadFile(dir / "none"), InputError);
-  EXPECT_THROW(ReadFile(dir), InputError);
-  std::filesystem::remove_all(dir);
-}
-
 TEST(UnknownName, SuggestsTheNearOne) {
   const std::string message =
       UnknownName("gain", "occlusion_awere", {"occlusion_aware", "rear_side_entropy"});
