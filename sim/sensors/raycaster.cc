@@ -1,13 +1,12 @@
 #include "sim/sensors/raycaster.h"
 
-#include <embree3/rtcore.h>
-
 #include <cassert>
 #include <stdexcept>
 
 #include "core/parallel_for.h"
 #include "core/rng.h"
 #include "sim/sensors/body_mesh.h"
+#include "sim/sensors/embree.h"
 
 namespace atlas::sim {
 namespace {
@@ -22,28 +21,28 @@ struct Packet;
 template <>
 struct Packet<4> {
   RTCRayHit4 data;
-  void Intersect(const int* valid, RTCScene scene, RTCIntersectContext* c) {
-    rtcIntersect4(valid, scene, c, &data);
+  void Intersect(const int* valid, RTCScene scene, CoherentQuery* query) {
+    query->CastPacket<rtcIntersect4>(valid, scene, &data);
   }
 };
 template <>
 struct Packet<8> {
   RTCRayHit8 data;
-  void Intersect(const int* valid, RTCScene scene, RTCIntersectContext* c) {
-    rtcIntersect8(valid, scene, c, &data);
+  void Intersect(const int* valid, RTCScene scene, CoherentQuery* query) {
+    query->CastPacket<rtcIntersect8>(valid, scene, &data);
   }
 };
 template <>
 struct Packet<16> {
   RTCRayHit16 data;
-  void Intersect(const int* valid, RTCScene scene, RTCIntersectContext* c) {
-    rtcIntersect16(valid, scene, c, &data);
+  void Intersect(const int* valid, RTCScene scene, CoherentQuery* query) {
+    query->CastPacket<rtcIntersect16>(valid, scene, &data);
   }
 };
 
 /// What the transmission filter needs to know of a cast; Embree hands the first member back to it.
 struct CastContext {
-  RTCIntersectContext embree;
+  CoherentQuery::Context embree;
   uint64_t seed;
 };
 
@@ -201,14 +200,13 @@ void Raycaster::Impl::CastGroups(RTCScene scene, bool with_bodies, std::span<con
   std::fill_n(valid, kWidth, -1);
   std::fill_n(packet.data.ray.mask, kWidth, ~0u);
   CastContext context{{}, seed};
-  rtcInitIntersectContext(&context.embree);
-  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  CoherentQuery query(&context.embree);
   size_t base = first;
   const auto cast = [&](size_t count) {
     Load<kWidth>(rays.data() + base, count, base, max_range_m * kBeyond, &packet);
-    packet.Intersect(valid, scene, &context.embree);
+    packet.Intersect(valid, scene, &query);
     // A body that is nearer overwrites the hit; one that is not leaves it alone.
-    if (with_bodies) packet.Intersect(valid, body_scene, &context.embree);
+    if (with_bodies) packet.Intersect(valid, body_scene, &query);
     for (size_t lane = 0; lane < count; ++lane) hits[base + lane] = Unload(packet, lane, max_range_m);
   };
   for (; base + kWidth <= last; base += kWidth) cast(kWidth);

@@ -1,9 +1,8 @@
 #include "sim/sensors/raycaster_bench.h"
 
-#include <embree3/rtcore.h>
-
 #include <ctime>
 
+#include "sim/sensors/embree.h"
 #include "sim/sensors/lidar.h"
 #include "sim/sensors/raycaster.h"
 
@@ -122,29 +121,28 @@ class BareEmbree {
   double BestRate(const std::vector<core::Ray>& rays, float max_range_m, double seconds) {
     Pack(rays, max_range_m);
     const size_t n = rays.size();
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    CoherentQuery::Context context;
+    CoherentQuery query(&context);
     alignas(64) int valid[16];
     std::fill(std::begin(valid), std::end(valid), -1);
     const double packets = Rate(n, seconds, [&] {
       for (const RTCRayHit16& fresh : packed_) {
         RTCRayHit16 packet = fresh;
-        rtcIntersect16(valid, scene_, &context, &packet);
+        query.CastPacket<rtcIntersect16>(valid, scene_, &packet);
         sink_ = packet.ray.tfar[0];
       }
     });
     const double single = Rate(n, seconds, [&] {
       for (const RTCRayHit& fresh : singles_) {
         RTCRayHit ray = fresh;
-        rtcIntersect1(scene_, &context, &ray);
+        query.CastRay(scene_, &ray);
         sink_ = ray.ray.tfar;
       }
     });
     std::vector<RTCRayHit> stream;
     const double streams = Rate(n, seconds, [&] {
       stream = singles_;
-      rtcIntersect1M(scene_, &context, stream.data(), static_cast<unsigned int>(n), sizeof(RTCRayHit));
+      query.CastStream(scene_, stream.data(), static_cast<unsigned int>(n));
     });
     return std::max({packets, single, streams});
   }

@@ -8,11 +8,13 @@
 #include <set>
 #include <sstream>
 
+#include "tests/support/source_tree.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = ATLAS_SOURCE_DIR;
+const fs::path kRoot = atlas::testing::SourceTree();
 const std::vector<std::string> kRooms = {"core",    "scenes",  "robots",      "sim",
                                          "mapping", "planner", "experiments", "tests"};
 
@@ -72,7 +74,8 @@ TEST(HouseRules, RoomsIncludeOnlyTheRoomsBelowThem) {
 
 TEST(HouseRules, ThirdPartyHeadersStayInTheirRoom) {
   const std::vector<std::pair<std::regex, std::regex>> rules = {
-      {std::regex("mujoco/.*|embree3/.*|EGL/.*|GL/.*"), std::regex("(sim/.*\\.cc|tests/.*)")},
+      {std::regex("mujoco/.*|EGL/.*|GL/.*"), std::regex("(sim/.*\\.cc|tests/.*)")},
+      {std::regex("embree[34]/.*"), std::regex("sim/sensors/embree\\.h")},
       {std::regex("octomap/.*"), std::regex("(mapping/backends/octomap_.*\\.cc|tests/.*)")},
       {std::regex("ompl/.*"), std::regex("planner/candidates/ompl_bridge\\.cc")},
       {std::regex("ceres/.*"), std::regex("mapping/slam/.*")}};
@@ -114,6 +117,8 @@ TEST(HouseRules, EquationIndexOfTheReadmeIsTrue) {
 
 TEST(HouseRules, SourcesAreFormatted) {
   ASSERT_EQ(std::system("clang-format --version > /dev/null 2>&1"), 0) << "clang-format is not installed";
+  if (std::system("clang-format --version | grep -q 'version 14\\.'") != 0)
+    GTEST_SKIP() << "releases of clang-format differ; the sources are laid out by that of Debian 12 (14)";
   const std::string command =
       "cd '" + kRoot.string() +
       "' && git ls-files '*.h' '*.cc' | xargs clang-format --dry-run -Werror > /dev/null 2>&1";

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/source_tree.h"
+
 namespace atlas::testing {
 
 struct Outcome {
@@ -28,7 +30,7 @@ class CommandLine : public ::testing::Test {
   /// What `atlas ARGUMENTS` answers, run in the test's folder.
   Outcome Atlas(const std::string& arguments) {
     const std::string command =
-        "cd '" + dir_.string() + "' && '" ATLAS_BINARY "' " + arguments + " 2>&1 < /dev/null";
+        "cd '" + dir_.string() + "' && '" + AtlasBinary().string() + "' " + arguments + " 2>&1 < /dev/null";
     FILE* pipe = popen(command.c_str(), "r");
     Outcome outcome;
     std::array<char, 4096> buffer;

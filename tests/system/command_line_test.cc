@@ -93,7 +93,8 @@ TEST_F(CommandLine, InterruptLeavesAValidRunFolder) {
     if (freopen("/dev/null", "w", stderr) == nullptr || freopen("/dev/null", "w", stdout) == nullptr)
       _exit(9);
     const std::string out = (dir_ / "run").string();
-    execl(ATLAS_BINARY, "atlas", "run", "car", "--out", out.c_str(), "--set", "planner.nodes=20", nullptr);
+    execl(atlas::testing::AtlasBinary().c_str(), "atlas", "run", "car", "--out", out.c_str(), "--set",
+          "planner.nodes=20", nullptr);
     _exit(9);
   }
   const fs::path steps = dir_ / "run" / "steps.csv";

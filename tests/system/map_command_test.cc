@@ -148,7 +148,7 @@ TEST_F(MapCommand, InterruptLeavesAWholeMap) {
         freopen("/dev/null", "w", stdout) == nullptr) {
       _exit(9);
     }
-    execl(ATLAS_BINARY, "atlas", "map", "--scans", "long", "--out", "out", nullptr);
+    execl(atlas::testing::AtlasBinary().c_str(), "atlas", "map", "--scans", "long", "--out", "out", nullptr);
     _exit(9);
   }
   for (int i = 0; i < 600 && !fs::exists(dir_ / "out"); ++i)

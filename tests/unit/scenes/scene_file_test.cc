@@ -8,6 +8,7 @@
 #include "scenes/catalog.h"
 #include "scenes/ply_reader.h"
 #include "scenes/solid_test.h"
+#include "tests/support/source_tree.h"
 #include "tests/unit/scenes/mesh_checks.h"
 
 namespace atlas::scenes {
@@ -15,12 +16,12 @@ namespace {
 
 using core::Vec3;
 
-const std::filesystem::path kExample = std::filesystem::path(ATLAS_SOURCE_DIR) / "scenes/examples/arch.yaml";
+const std::filesystem::path kExample = atlas::testing::SourceTree() / "scenes/examples/arch.yaml";
 
-class SceneFile : public testing::Test {
+class SceneFile : public ::testing::Test {
  protected:
   SceneFile()
-      : folder_(std::filesystem::path(testing::TempDir()) / ("scene_file_" + std::to_string(getpid()))) {
+      : folder_(std::filesystem::path(::testing::TempDir()) / ("scene_file_" + std::to_string(getpid()))) {
     core::WriteFileAtomically(
         folder_ / "good.obj",
         "v 0 0 0\nv 1000 0 0\nv 0 1000 0\nv 0 0 1000\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
