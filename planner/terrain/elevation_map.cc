@@ -224,6 +224,11 @@ double ElevationMap::Traversability(const core::Vec2& p_map) const {
   return i < 0 ? 0.0 : impl_->image.traversability[static_cast<size_t>(i)];
 }
 
+GroundKind ElevationMap::KindAt(const core::Vec2& p_map) const {
+  const int i = impl_->IndexAt(p_map.x(), p_map.y());
+  return i < 0 ? GroundKind::kUnknown : impl_->image.kind[static_cast<size_t>(i)];
+}
+
 bool ElevationMap::FootprintFree(const core::Vec2& p_map, double yaw_rad) const {
   const Impl& m = *impl_;
   const core::Vec2 along(std::cos(yaw_rad), std::sin(yaw_rad));
@@ -283,6 +288,7 @@ ElevationMap::Grid ElevationMap::Export() const {
       out.height_m.push_back(i < 0 ? std::numeric_limits<float>::quiet_NaN()
                                    : m.image.height_m[static_cast<size_t>(i)]);
       out.traversability.push_back(i < 0 ? 0.0f : m.image.traversability[static_cast<size_t>(i)]);
+      out.kind.push_back(i < 0 ? GroundKind::kUnknown : m.image.kind[static_cast<size_t>(i)]);
     }
   }
   return out;

@@ -58,17 +58,19 @@ class ElevationMap : public core::SensorSink, public core::TerrainView, public T
 
   using Surface = TraversableGround::Surface;
   double Traversability(const core::Vec2& p_map) const override;
+  GroundKind KindAt(const core::Vec2& p_map) const override;
   bool FootprintFree(const core::Vec2& p_map, double yaw_rad) const override;
   bool CircleFree(const core::Vec2& p_map) const override;
   Surface SurfaceAt(const core::Vec2& p_map) const override;
   core::Box3 Window() const override;
 
-  /// For pictures and logs: a row-major grid over Window(), NaN where unknown.
+  /// For pictures and logs: a row-major grid over Window(), row = y, height NaN where unknown.
   struct Grid {
     int rows = 0, cols = 0;
     double cell_m = 0.0;
     core::Vec2 origin = core::Vec2::Zero();
     std::vector<float> height_m, traversability;
+    std::vector<GroundKind> kind;
   };
   Grid Export() const;
 

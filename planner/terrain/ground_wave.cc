@@ -81,7 +81,11 @@ Reading ReadCell(const WaveParams& params, const LayeredCell& cell, float refere
   return ReadOther(params, cell, reference);
 }
 
-constexpr int kBeside = 5;  ///< cells: ground declared this near to a seen hole is in doubt
+constexpr int kBeside = 5;      ///< cells: ground declared this near to a seen hole is in doubt
+constexpr int kHoleRadius = 2;  ///< cells: half side of the square that a hole is told from a grating by
+constexpr int kHoleCrossings =
+    30;  ///< rays through it, at least: bars that stop one in four would have shown
+constexpr int kRaysPerReturn = 10;  ///< of the rays that meet a grating, at most, for one that its bars stop
 
 /// What most cells come to, gathered in memory order so that the wave, which jumps about, need not open them.
 enum class Gist : uint8_t { kEmpty, kAssumed, kSingle, kPlain, kComplex };
@@ -176,19 +180,46 @@ class Wave {
       return apart <= kSingleReturnGate_m ? Reading{CellKind::kGround, node.mean_m, 1, false} : Reading{};
     }
     if (node.gist == Gist::kAssumed) {
-      return near && !CrossedNear(row, col) ? Reading{CellKind::kGround, node.mean_m, 0, false} : Reading{};
+      return near && !HoleNear(row, col, reference) ? Reading{CellKind::kGround, node.mean_m, 0, false}
+                                                    : Reading{};
     }
     return ReadCell(params_, grid_.cell(grid_.Slot(image_.min_x + col, image_.min_y + row)), reference);
   }
 
-  /// Declared ground yields to rays that went down through or beside it.
-  bool CrossedNear(int row, int col) const {
+  /// Declared ground yields to a hole in or beside it. Rays that went down are no proof of one by themselves:
+  /// a grating lets through most of those that meet it, and its bars stop the rest at the expected height.
+  bool HoleNear(int row, int col, float reference) const {
     for (int r = std::max(0, row - kBeside); r <= std::min(image_.side - 1, row + kBeside); ++r) {
       for (int c = std::max(0, col - kBeside); c <= std::min(image_.side - 1, col + kBeside); ++c) {
-        if (image_.crossings[image_.Index(r, c)] > 0) return true;
+        if (image_.crossings[image_.Index(r, c)] > 0 && IsHole(r, c, reference)) return true;
       }
     }
     return false;
+  }
+
+  /// Whether many rays went down about this cell and next to none ended at the expected height.
+  bool IsHole(int row, int col, float reference) const {
+    int crossings = 0, returns = 0;
+    for (int r = std::max(0, row - kHoleRadius); r <= std::min(image_.side - 1, row + kHoleRadius); ++r) {
+      for (int c = std::max(0, col - kHoleRadius); c <= std::min(image_.side - 1, col + kHoleRadius); ++c) {
+        const size_t i = image_.Index(r, c);
+        crossings += image_.crossings[i];
+        returns += ReturnsNear(nodes_[i], r, c, reference);
+      }
+    }
+    return crossings >= kHoleCrossings && returns * kRaysPerReturn < crossings;
+  }
+
+  int ReturnsNear(const Node& node, int row, int col, float reference) const {
+    if (node.gist != Gist::kComplex) {
+      return std::abs(node.mean_m - reference) <= kSingleReturnGate_m ? node.count : 0;
+    }
+    int returns = 0;
+    for (const Layer& layer : grid_.cell(grid_.Slot(image_.min_x + col, image_.min_y + row)).layer) {
+      if (layer.count > 0 && std::abs(SurfaceOf(layer) - reference) <= kSingleReturnGate_m)
+        returns += layer.count;
+    }
+    return returns;
   }
 
   const WaveParams& params_;

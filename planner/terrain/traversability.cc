@@ -14,44 +14,78 @@ constexpr int kStepRadius = 2;           ///< cells
 constexpr float kRiser_m = 0.06;         ///< neighbouring cells that differ by more are the edge of a step
 constexpr double kRidgeWidth_m = 0.25;   ///< what is narrower is no place for feet ...
 constexpr float kRidge_m = 0.06;  ///< ... and trips them where it stands out by more: a tube, a curb stone
+constexpr int kRim2 = 2;          ///< squared cells: so near to an open cell nothing is traversable
 constexpr float kSlopeWeight = 0.4f, kStepWeight = 0.3f, kRoughnessWeight = 0.3f;
 
-/// 1 on level, smooth ground, falling linearly with each of slope, step and roughness; 0 beyond any limit and
-/// on ridges.
-std::vector<float> Score(const TerrainParams& params, const TerrainImage& image, const GroundImage& ground,
-                         const std::vector<float>& step_m, const std::vector<float>& ridge_m) {
-  const float max_slope_rad = static_cast<float>(core::Radians(params.critical_slope_deg));
-  const float max_step_m = static_cast<float>(params.critical_step_m);
-  const float max_roughness_m = static_cast<float>(params.critical_roughness_m);
-  std::vector<float> score(image.solid.size(), 0.0f);
-  for (int r = 0; r < image.side; ++r) {
-    for (int c = 0; c < image.side; ++c) {
-      const size_t i = image.Index(r, c);
-      if (!image.solid[i] || ground.blocked[i] || !ground.headroom[i] || image.distance2_open[i] <= 2)
-        continue;
+/// The limits of TerrainParams as the filters' outputs are compared with them.
+struct Limits {
+  explicit Limits(const TerrainParams& params)
+      : slope_rad(static_cast<float>(core::Radians(params.critical_slope_deg))),
+        step_m(static_cast<float>(params.critical_step_m)),
+        roughness_m(static_cast<float>(params.critical_roughness_m)) {}
+  float slope_rad, step_m, roughness_m;
+};
+
+/// What was measured of a cell, as shares of the limits.
+struct Measured {
+  float slope, step, roughness;
+};
+
+/// Of what takes most off the score.
+GroundKind WorstOf(const Measured& m) {
+  const float slope = kSlopeWeight * m.slope, step = kStepWeight * m.step,
+              roughness = kRoughnessWeight * m.roughness;
+  if (step >= slope && step >= roughness) return GroundKind::kStep;
+  return slope >= roughness ? GroundKind::kSlope : GroundKind::kRoughness;
+}
+
+/// Why nothing can stand on this cell, by itself; kFree where something can.
+GroundKind KindOf(const TerrainImage& image, const GroundImage& ground, size_t i, const Measured& m,
+                  float ridge_m) {
+  if (ground.blocked[i]) return GroundKind::kObstacle;
+  if (!image.solid[i]) {
+    const bool seen_below = ground.kind[i] == CellKind::kBelow || ground.crossings[i] > 0;
+    return seen_below ? GroundKind::kDrop : GroundKind::kUnknown;
+  }
+  if (image.distance2_open[i] <= kRim2) return GroundKind::kDrop;
+  if (!ground.headroom[i]) return GroundKind::kOverhang;
+  if (m.step >= 1.0f || ridge_m > kRidge_m) return GroundKind::kStep;
+  if (m.slope >= 1.0f) return GroundKind::kSlope;
+  if (m.roughness >= 1.0f) return GroundKind::kRoughness;
+  return GroundKind::kFree;
+}
+
+/// Fills traversability and kind. Traversability is 1 on level, smooth ground, falls linearly with each of
+/// slope, step and roughness, and is 0 where the kind is not kFree.
+void Score(const TerrainParams& params, const GroundImage& ground, const std::vector<float>& step_m,
+           const std::vector<float>& ridge_m, TerrainImage* image) {
+  const Limits limits(params);
+  image->traversability.assign(image->solid.size(), 0.0f);
+  image->kind.assign(image->solid.size(), GroundKind::kUnknown);
+  for (int r = 0; r < image->side; ++r) {
+    for (int c = 0; c < image->side; ++c) {
+      const size_t i = image->Index(r, c);
       const size_t block =
-          static_cast<size_t>(r / 2) * static_cast<size_t>(image.planes.cols) + static_cast<size_t>(c / 2);
-      const float slope = image.planes.slope_rad[block] / max_slope_rad;
-      const float step = step_m[i] / max_step_m;
-      const float roughness = image.planes.roughness_m[block] / max_roughness_m;
-      if (slope >= 1.0f || step >= 1.0f || roughness >= 1.0f || ridge_m[i] > kRidge_m) continue;
-      score[i] = 1.0f - kSlopeWeight * slope - kStepWeight * step - kRoughnessWeight * roughness;
+          static_cast<size_t>(r / 2) * static_cast<size_t>(image->planes.cols) + static_cast<size_t>(c / 2);
+      const Measured m{image->planes.slope_rad[block] / limits.slope_rad, step_m[i] / limits.step_m,
+                       image->planes.roughness_m[block] / limits.roughness_m};
+      image->kind[i] = KindOf(*image, ground, i, m, ridge_m[i]);
+      if (image->kind[i] != GroundKind::kFree) continue;
+      const float score =
+          1.0f - kSlopeWeight * m.slope - kStepWeight * m.step - kRoughnessWeight * m.roughness;
+      image->traversability[i] = score;
+      if (score <= 0.0f || score < static_cast<float>(params.min_traversability)) image->kind[i] = WorstOf(m);
     }
   }
-  return score;
 }
 
 /// Zeroes what no way over traversable cells joins to the robot: the roof of a car is flat, but not ground.
-void KeepReachable(double min_traversability, int row, int col, int seed_radius, TerrainImage* image) {
-  const auto passable = [&](size_t i) {
-    return image->traversability[i] > 0.0f &&
-           image->traversability[i] >= static_cast<float>(min_traversability);
-  };
+void KeepReachable(int row, int col, int seed_radius, TerrainImage* image) {
   Mask reached(image->solid.size(), 0);
   std::vector<int> queue;
   const auto reach = [&](int r, int c) {
     const size_t i = image->Index(r, c);
-    if (reached[i] || !passable(i)) return;
+    if (reached[i] || image->kind[i] != GroundKind::kFree) return;
     reached[i] = 1;
     queue.push_back(static_cast<int>(i));
   };
@@ -67,7 +101,9 @@ void KeepReachable(double min_traversability, int row, int col, int seed_radius,
     if (c < last) reach(r, c + 1);
   }
   for (size_t i = 0; i < reached.size(); ++i) {
-    if (!reached[i]) image->traversability[i] = 0.0f;
+    if (reached[i]) continue;
+    image->traversability[i] = 0.0f;
+    if (image->kind[i] == GroundKind::kFree) image->kind[i] = GroundKind::kCutOff;
   }
 }
 
@@ -110,15 +146,12 @@ TerrainImage AssessTerrain(const TerrainParams& params, const GroundImage& groun
   const int ridge_radius = std::max(1, static_cast<int>(std::lround(0.5 * kRidgeWidth_m / params.cell_m)));
   const std::vector<float> ridge_m =
       Ridges(image.height_m, image.solid, image.side, image.side, ridge_radius);
-  image.traversability = Score(params, image, ground, step_m, ridge_m);
-  KeepReachable(params.min_traversability, robot_row, robot_col, distance_radius, &image);
+  Score(params, ground, step_m, ridge_m, &image);
+  KeepReachable(robot_row, robot_col, distance_radius, &image);
   MarkSteppable(ground, support.filled, step_m, &image);
 
   Mask blocks(image.solid.size());
-  for (size_t i = 0; i < blocks.size(); ++i) {
-    blocks[i] = image.traversability[i] <= 0.0f ||
-                image.traversability[i] < static_cast<float>(params.min_traversability);
-  }
+  for (size_t i = 0; i < blocks.size(); ++i) blocks[i] = image.kind[i] != GroundKind::kFree;
   image.distance2_blocked = SquaredDistance(blocks, image.side, image.side, distance_radius);
   return image;
 }

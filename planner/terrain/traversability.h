@@ -19,6 +19,7 @@ struct TerrainImage {
   Mask steppable;
   Mask open;  ///< hole, drop, or unknown: nothing to stand on
   std::vector<float> traversability;
+  std::vector<GroundKind> kind;  ///< why
   PlaneFits planes;
   int distance_radius = 0;                 ///< cells; distances saturate beyond
   std::vector<int16_t> distance2_blocked;  ///< squared, in cells, to the nearest cell that blocks

@@ -21,6 +21,10 @@ class FlatGround : public planner::TraversableGround {
   double Traversability(const core::Vec2& p) const override {
     return InWindow(p) && Clearance(p) > 0.0 ? 1.0 : 0.0;
   }
+  planner::GroundKind KindAt(const core::Vec2& p) const override {
+    if (!InWindow(p)) return planner::GroundKind::kUnknown;
+    return Clearance(p) > 0.0 ? planner::GroundKind::kFree : planner::GroundKind::kObstacle;
+  }
   bool FootprintFree(const core::Vec2& p, double yaw_rad) const override {
     const core::Vec2 along(std::cos(yaw_rad), std::sin(yaw_rad));
     for (const double s : {-0.22, 0.0, 0.22}) {

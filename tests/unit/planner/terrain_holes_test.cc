@@ -125,6 +125,18 @@ TEST(TerrainHoles, GratingStaysSolidAndItsStairwellOpenAfterManySweeps) {
   EXPECT_GT(RecoveredShare(*map, deck, {2.0, 0.5}, 3.0), 0.9);
 }
 
+TEST(TerrainHoles, BlindGroundUnderTheRobotStaysSolidOnAGratingWhicheverBeamsItsBarsStop) {
+  // At the rim of what the LiDAR sees about the robot's feet a few beams pass the bars, and by chance none of
+  // their neighbours is stopped.
+  const Deck deck(0.5);
+  const Vec2 stand(-1.2, 0.5);
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    const auto map = MapAfterSweeps(deck.world, {{stand.x(), stand.y(), 0.0}},
+                                    {.seed = seed, .depth_images = 0, .update_each = true});
+    EXPECT_TRUE(map->CircleFree(stand)) << seed;
+  }
+}
+
 TEST(TerrainHoles, GroundAssumedAtTheStartYieldsToRaysThatGoThroughIt) {
   // The stairwell, to the robot's left where its LiDAR looks, reaches into the circle that is assumed solid.
   const Deck deck(0.0);

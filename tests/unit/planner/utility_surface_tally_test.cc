@@ -12,6 +12,7 @@ class LevelGround : public TraversableGround {
  public:
   explicit LevelGround(double height_m) : height_m_(height_m) {}
   double Traversability(const core::Vec2&) const override { return 1.0; }
+  GroundKind KindAt(const core::Vec2&) const override { return GroundKind::kFree; }
   bool FootprintFree(const core::Vec2&, double) const override { return true; }
   bool CircleFree(const core::Vec2&) const override { return true; }
   Surface SurfaceAt(const core::Vec2&) const override {
