@@ -1,5 +1,22 @@
-# cmake -DSOURCE=... -DOUT=... -P: the commit that is being built, as a header that changes only with it.
+# cmake -DSOURCE=... -DOUT=... -P: the commit that is being built, as a header that changes only with it. Where sources
+# differ from the commit, or there is no repository, a hash over them is added: results of two such builds differ too.
 cmake_minimum_required(VERSION 3.22)
+set(rooms core scenes robots sim mapping planner experiments)
 execute_process(COMMAND git -C ${SOURCE} rev-parse --short HEAD OUTPUT_VARIABLE commit
                 OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+execute_process(COMMAND git -C ${SOURCE} status --porcelain -- ${rooms} ":(exclude)*.yaml" OUTPUT_VARIABLE changes ERROR_QUIET)
+if(NOT commit OR changes)
+  set(hashes)
+  foreach(room ${rooms})
+    file(GLOB_RECURSE files ${SOURCE}/${room}/*.cc ${SOURCE}/${room}/*.h ${SOURCE}/${room}/*.inc ${SOURCE}/${room}/*.xml)
+    foreach(file ${files})
+      file(SHA1 ${file} hash)
+      file(RELATIVE_PATH name ${SOURCE} ${file})
+      string(APPEND hashes "${name} ${hash}\n")
+    endforeach()
+  endforeach()
+  string(SHA1 hash "${hashes}")
+  string(SUBSTRING ${hash} 0 8 hash)
+  string(APPEND commit "+${hash}")
+endif()
 file(CONFIGURE OUTPUT ${OUT} CONTENT "#define ATLAS_COMMIT \"@commit@\"\n" @ONLY)

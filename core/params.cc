@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/named_files.h"
 
 namespace atlas::core {
 namespace fs = std::filesystem;
@@ -19,17 +20,19 @@ namespace {
 struct Entry {
   enum class Kind { kScalar, kSequence, kMap } kind = Kind::kMap;
   std::string origin;
+  fs::path folder = {};  ///< of the file; empty for the command line
   std::string scalar;
   std::vector<std::string> sequence;
   std::map<std::string, Entry> children;
 };
 
-Entry FromYaml(const YAML::Node& node, const std::string& file) {
+Entry FromYaml(const YAML::Node& node, const std::string& file, const fs::path& folder) {
   Entry entry;
+  entry.folder = folder;
   entry.origin = fmt::format("{}:{}", file, node.Mark().line + 1);
   if (node.IsMap()) {
     for (const auto& item : node) {
-      Entry child = FromYaml(item.second, file);
+      Entry child = FromYaml(item.second, file, folder);
       child.origin = fmt::format("{}:{}", file, item.first.Mark().line + 1);
       entry.children[item.first.as<std::string>()] = std::move(child);
     }
@@ -114,8 +117,10 @@ class LoadVisitor : public ParamVisitor {
     AddRow(name, *value ? "true" : "false", info);
   }
   void Field(const std::string& name, std::string* value, const ParamInfo& info) override {
-    if (const Entry* entry = Scalar(name, "a name"))
+    if (const Entry* entry = Scalar(name, "a name")) {
       *value = CheckedChoice(*entry, name, entry->scalar, info);
+      if (info.is_file) *value = FileBeside(entry->folder, *value);
+    }
     AddRow(name, *value, info);
   }
   void Field(const std::string& name, std::vector<std::string>* value, const ParamInfo& info) override {
@@ -254,9 +259,10 @@ void ParamSource::MergeFile(const fs::path& path, const fs::path& fallback_dir) 
   const YAML::Node yaml = ParseYaml(ReadFile(path), name);
   if (!yaml.IsMap() && !yaml.IsNull())
     throw InputError(fmt::format("{}:1: expected sections, such as 'scene: car'", name));
-  Entry entry = FromYaml(yaml, name);
+  Entry entry = FromYaml(yaml, name, path.parent_path());
   if (const auto extends = entry.children.find("extends"); extends != entry.children.end()) {
-    const std::string base = extends->second.scalar + ".yaml";
+    const std::string& given = extends->second.scalar;
+    const std::string base = given.ends_with(".yaml") ? given : given + ".yaml";
     fs::path base_path = path.parent_path() / base;
     if (!fs::exists(base_path)) base_path = fallback_dir / base;
     if (!fs::exists(base_path)) {
@@ -276,7 +282,7 @@ void ParamSource::MergeAssignment(const std::string& assignment) {
   if (equals == std::string::npos || equals == 0) {
     throw InputError(fmt::format("--set {}: expected section.key=value", assignment));
   }
-  Entry entry = FromYaml(ParseYaml(assignment.substr(equals + 1), "--set " + assignment), "--set");
+  Entry entry = FromYaml(ParseYaml(assignment.substr(equals + 1), "--set " + assignment), "--set", {});
   std::function<void(Entry*)> mark = [&](Entry* e) {
     e->origin = "--set " + assignment;
     for (auto& [key, child] : e->children) mark(&child);

@@ -28,6 +28,7 @@ struct ParamInfo {
   double max = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices = {};
   std::string doc = "";
+  bool is_file = false;  ///< a string that may name a file, relative to the YAML file that it stands in
 };
 
 class ParamVisitor {
@@ -69,8 +70,8 @@ class ParamSource {
   ParamSource(ParamSource&&) noexcept;
   ParamSource& operator=(ParamSource&&) noexcept;
 
-  /// Merges a file over what is here; its `extends: NAME` (a file beside it, or in `fallback_dir`) comes
-  /// first.
+  /// Merges a file over what is here; its `extends: NAME` (a file relative to its folder, or in
+  /// `fallback_dir`) comes first.
   /// @throws InputError for a missing file, malformed YAML (file, line) or a cycle of extends.
   void MergeFile(const std::filesystem::path& path, const std::filesystem::path& fallback_dir);
   /// Merges "a.b.c=value" from the command line. @throws InputError when it is not of that form.

@@ -8,6 +8,7 @@
 #include "core/task_lanes.h"
 #include "experiments/mission_metrics.h"
 #include "experiments/run_film.h"
+#include "experiments/run_folder.h"
 #include "experiments/sensor_feed.h"
 #include "experiments/stopwatch.h"
 #include "planner/utility/surface_tally.h"
@@ -192,7 +193,8 @@ Ending RunMission(Mission* m) {
 
 }  // namespace
 
-RunSummary RunClosedLoop(const ExperimentConfig& config, const RunOptions& options) {
+RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& options) {
+  const ExperimentConfig config = KeepInputs(given, options.folder);  // what is run is what is kept
   Mission mission(config, options);
   Ending ending{RunStatus::kFailed, StopReason::kError};
   try {

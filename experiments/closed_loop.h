@@ -20,8 +20,8 @@ struct RunOptions {
   std::function<void(const std::string& line, bool final)> progress = [](const std::string&, bool) {};
 };
 
-/// Runs one mission to its end and writes its folder. @throws InputError for bad input, before anything
-/// moves.
-RunSummary RunClosedLoop(const ExperimentConfig& config, const RunOptions& options);
+/// Copies scene and robot to the run folder, runs one mission with the copies to its end and writes the
+/// folder. @throws InputError for bad input, before anything moves.
+RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& options);
 
 }  // namespace atlas::experiments

@@ -6,12 +6,13 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/safe_text.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
 
 void NamedParams::Visit(core::ParamVisitor& v) {
-  v.Field("name", &name, {.doc = doc});
+  v.Field("name", &name, {.doc = doc, .is_file = true});
 }
 
 void MissionParams::Visit(core::ParamVisitor& v) {
@@ -45,6 +46,8 @@ void OutputParams::Visit(core::ParamVisitor& v) {
 }
 
 void ExperimentConfig::Visit(core::ParamVisitor& v) {
+  v.Field("experiment", &experiment,
+          {.doc = "name in tables and of run folders (default: that of the file)"});
   v.Section("scene", &scene);
   v.Section("robot", &robot);
   v.Section("locomotion", &sim.locomotion);
@@ -89,6 +92,12 @@ ExperimentConfig LoadExperiment(const std::string& name_or_path,
   config.planner = planner::DefaultParams(config.planner.name);  // each planner brings its own defaults
   config.mission.map_while_walking = config.planner.name != "thesis";
   config.rows = source.Load(&config);
+  if (core::FileNameFrom(config.experiment) != config.experiment) {
+    throw core::InputError(fmt::format(
+        "experiment: '{}' cannot name a folder (letters, digits, '.', '-' and '_', beginning with "
+        "neither '.' nor '-')",
+        config.experiment));
+  }
   return config;
 }
 

@@ -39,7 +39,7 @@ struct OutputParams {
 };
 
 struct ExperimentConfig {
-  std::string experiment;  ///< name: the file's stem
+  std::string experiment;  ///< name: the file's stem where none is set
   NamedParams scene{"helicopter", "built-in scene, or path/scene.yaml"};
   NamedParams robot{"quadruped", "built-in robot, or path/robot.xml"};
   sim::SimParams sim;
@@ -52,7 +52,8 @@ struct ExperimentConfig {
   void Visit(core::ParamVisitor& v);
 };
 
-/// Loads `experiments/configs/NAME.yaml`, or a file of the user's, with `--set` assignments over it.
+/// Loads `experiments/configs/NAME.yaml`, or a file of the user's, with `--set` assignments over it. Scene
+/// and robot files are relative to the YAML that names them, those of assignments to the working directory.
 /// @throws InputError for an unknown experiment, key or value.
 ExperimentConfig LoadExperiment(const std::string& name_or_path, const std::vector<std::string>& assignments);
 

@@ -23,7 +23,8 @@ void AddRun(CLI::App* app, RunArguments* arguments, Action* action) {
   run->add_option("--threads", arguments->threads, "threads; results do not depend on it")
       ->check(CLI::Range(1, 64));
   run->add_option("--set", arguments->assignments, "section.key=value, over the file")->take_all();
-  run->add_option("--out", arguments->out, "run folder (default runs/EXPERIMENT/SEED)");
+  run->add_option("--out", arguments->out, "run folder (default runs/EXPERIMENT/SEED, then SEED-2 ...)");
+  run->add_flag("--force", arguments->force, "replace the run that the folder holds");
   run->add_flag("--video", arguments->video, "write video.mp4");
   run->callback([=] { *action = [=] { return RunCommand(*arguments); }; });
 }
@@ -80,6 +81,8 @@ void AddSweep(CLI::App* app, SweepArguments* arguments, Action* action) {
       ->check(CLI::Range(1, 1024));
   sweep->add_option("--threads", arguments->threads, "threads of each run")->check(CLI::Range(1, 64));
   sweep->add_option("--out", arguments->out, "folder (default runs/sweep_NAME)");
+  sweep->add_flag("--keep-stale", arguments->keep_stale,
+                  "count results of another configuration or commit as done");
   sweep->add_flag("--slurm", arguments->slurm, "hand the runs to a Slurm array");
   sweep->callback([=] { *action = [=] { return SweepCommand(*arguments); }; });
 }

@@ -3,28 +3,32 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "atlas_commit.h"
 #include "core/files.h"
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"
+#include "experiments/run_identity.h"
 
 namespace atlas::experiments {
 namespace {
 
 constexpr double kPoseLogRateHz = 10.0;
 
-RunSummary IdentityOf(const ExperimentConfig& config, const RunOptions& options) {
+RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) {
+  const RunIdentity identity = IdentityOf(config);
   RunSummary s;
   s.experiment = config.experiment;
-  s.scene = config.scene.name;
-  s.robot = config.robot.name;
+  s.scene = std::filesystem::path(config.scene.name).stem().string();
+  s.robot = std::filesystem::path(config.robot.name).stem().string();
   s.locomotion = config.sim.locomotion.name;
   s.odometry = "proprioceptive";
   s.mapper = config.mapper.name;
   s.planner = config.planner.name;
   s.gain = config.planner.gain;
   s.version = ATLAS_VERSION;
-  s.commit = ATLAS_COMMIT;
+  s.commit = identity.commit;
+  s.config_hash = identity.config_hash;
+  s.scene_hash = identity.settings.at("scene.name");
+  s.robot_hash = identity.settings.at("robot.name");
   s.seed = options.seed;
   return s;
 }
@@ -63,7 +67,7 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
     : config_(config),
       options_(options),
       scene_(scene),
-      recorder_(std::make_unique<RunRecorder>(options.folder, IdentityOf(config, options))),
+      recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config, options))),
       log_rng_(options.seed) {
   core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
   options_.progress("sampling the ground truth", false);
@@ -156,8 +160,10 @@ void MissionMetrics::FinishScan(const planner::NbvDecision& decision) {
     step_.utility = best.utility;
   }
   const sim::SafetyCounts& safety = simulator_->safety();
-  step_.falls = safety.falls;
-  step_.collisions = safety.collisions;
+  if (safety.measured) {
+    step_.falls = safety.falls;
+    step_.collisions = safety.collisions;
+  }
   step_.shank_brushes = safety.shank_brushes;
   step_.footholds = safety.footholds;
   step_.footholds_off_solid = safety.footholds_off_solid;
@@ -181,8 +187,10 @@ RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const map
     summary.cloud_error_m_mean = error.mean_m;
     summary.cloud_error_m_p95 = error.p95_m;
   }
-  summary.falls = simulator_->safety().falls;
-  summary.collisions = simulator_->safety().collisions;
+  if (const sim::SafetyCounts& safety = simulator_->safety(); safety.measured) {
+    summary.falls = safety.falls;
+    summary.collisions = safety.collisions;
+  }
   summary.peak_rss_bytes = PeakRssBytes();
   if (volume_ && score_.explored_m3) {
     summary.explored_volume_m3 = score_.explored_m3;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/run_folder.h"
 #include "experiments/video/run_video.h"
 #include "experiments/video/video_writer.h"
 #include "robots/robot_spec.h"
@@ -17,7 +18,8 @@ constexpr double kStateRateHz = 25.0;  ///< a state a frame even at real-time sp
 RunFilm::RunFilm(const ExperimentConfig& config, const RunOptions& options)
     : config_(config),
       options_(options),
-      recording_(config.scene.name, config.robot.name, config.mapper.resolution_m) {
+      recording_(NameInFolder(config.scene.name, options.folder),
+                 NameInFolder(config.robot.name, options.folder), config.mapper.resolution_m) {
   if (config.output.video) RequireVideoTools();
 }
 

@@ -1,6 +1,7 @@
 #include "scenes/catalog.h"
 
 #include "core/errors.h"
+#include "core/named_files.h"
 #include "scenes/scenes.h"
 
 namespace atlas::scenes {
@@ -12,11 +13,6 @@ SceneSpec Named(const char* name, const char* doc) {
   scene.name = name;
   scene.doc = doc;
   return scene;
-}
-
-bool IsFileName(const std::string& text) {
-  const std::string extension = std::filesystem::path(text).extension().string();
-  return extension == ".yaml" || extension == ".yml" || text.find('/') != std::string::npos;
 }
 
 }  // namespace
@@ -36,7 +32,7 @@ SceneSpec LoadScene(const std::string& name_or_path) {
     if (entry.name == name_or_path) return entry.build();
     names.push_back(entry.name);
   }
-  if (IsFileName(name_or_path)) return LoadSceneFile(name_or_path);
+  if (core::IsFileName(name_or_path)) return LoadSceneFile(name_or_path);
   throw core::InputError(core::UnknownName("scene", name_or_path, names));
 }
 

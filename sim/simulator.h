@@ -68,8 +68,10 @@ struct WalkPath {
   double final_yaw_rad = 0.0;
 };
 
-/// Counts since the start; a collision is a base, hip or thigh contact above 5 N (an episode, not a step).
+/// Counts since the start, footholds aside only where physics runs; a collision is a base, hip or thigh
+/// contact above 5 N (an episode, not a step).
 struct SafetyCounts {
+  bool measured = true;  ///< false without physics: nothing can fall or collide
   int falls = 0;
   int collisions = 0;
   int shank_brushes = 0;

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/errors.h"
+#include "robots/robot_files.h"
 
 namespace atlas::sim {
 namespace {
@@ -122,14 +123,17 @@ std::string ComposeMjcf(const scenes::SceneSpec& scene, const robots::RobotSpec&
       writer.Add(StaticShapeName(i, j), scene.parts[i].collision[j]);
     }
   }
+  const robots::AssetFolders folders = robots::AssetFoldersOf(robot.mjcf);
   std::string bodies;
   for (const auto& [tile, geoms] : writer.tiles) bodies += fmt::format("<body>\n{}</body>\n", geoms);
   return fmt::format(
-      "<mujoco model=\"atlas\">\n<include file=\"{}\"/>\n<compiler angle=\"degree\" autolimits=\"true\"/>\n"
+      "<mujoco model=\"atlas\">\n<include file=\"{}\"/>\n<compiler angle=\"degree\" autolimits=\"true\" "
+      "meshdir=\"{}\" texturedir=\"{}\"/>\n"
       "<option timestep=\"0.002\" gravity=\"0 0 -{}\" cone=\"elliptic\" impratio=\"10\" solver=\"Newton\" "
       "integrator=\"Euler\" iterations=\"30\" tolerance=\"1e-8\"/>\n<size njmax=\"1500\" nconmax=\"300\"/>\n"
       "<asset>\n{}</asset>\n<worldbody>\n{}</worldbody>\n</mujoco>\n",
-      std::filesystem::absolute(robot.mjcf).string(), 9.81, writer.assets, bodies);
+      std::filesystem::absolute(robot.mjcf).string(), folders.meshes.string(), folders.textures.string(),
+      9.81, writer.assets, bodies);
 }
 
 }  // namespace atlas::sim

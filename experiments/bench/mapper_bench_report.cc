@@ -6,7 +6,7 @@
 #include "experiments/bench/mapper_bench.h"
 #include "experiments/metrics/statistics.h"
 #include "experiments/report/svg_plot.h"
-#include "experiments/report/tables.h"
+#include "experiments/report/text_table.h"
 
 namespace atlas::experiments {
 namespace {

@@ -10,7 +10,7 @@
 #include "experiments/metrics/point_grid.h"
 #include "experiments/metrics/scene_surface.h"
 #include "experiments/metrics/statistics.h"
-#include "experiments/report/tables.h"
+#include "experiments/report/text_table.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/meshing/marching_cubes.h"
 #include "scenes/catalog.h"

@@ -2,7 +2,7 @@
 
 #include "core/files.h"
 #include "experiments/bench/motion_bench.h"
-#include "experiments/report/tables.h"
+#include "experiments/report/text_table.h"
 
 namespace atlas::experiments {
 namespace {

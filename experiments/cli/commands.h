@@ -15,7 +15,8 @@ struct RunArguments {
   uint64_t seed = 1;
   int threads = 2;
   std::vector<std::string> assignments;
-  std::filesystem::path out;  ///< empty: runs/<experiment>/<seed>
+  std::filesystem::path out;  ///< empty: runs/<experiment>/<seed>, numbered where that holds a run
+  bool force = false;         ///< replaces the run that the folder holds
   bool video = false;
 };
 int RunCommand(const RunArguments& arguments);
@@ -37,6 +38,7 @@ struct SweepArguments {
   int threads = 1;   ///< of each run
   std::filesystem::path out;
   bool slurm = false;
+  bool keep_stale = false;  ///< results of another configuration or commit count as done
 };
 int SweepCommand(const SweepArguments& arguments);
 

@@ -10,7 +10,7 @@
 #include "experiments/cli/map_commands.h"
 #include "experiments/cli/progress_bar.h"
 #include "experiments/metrics/surface_score.h"
-#include "experiments/report/tables.h"
+#include "experiments/report/text_table.h"
 #include "mapping/io/map_file.h"
 #include "mapping/io/recorded_cloud.h"
 #include "mapping/meshing/marching_cubes.h"

@@ -10,7 +10,7 @@
 #include "experiments/interrupt.h"
 #include "experiments/mapping_tools/offline_map.h"
 #include "experiments/metrics/statistics.h"
-#include "experiments/report/tables.h"
+#include "experiments/report/text_table.h"
 #include "experiments/resource_use.h"
 #include "experiments/stopwatch.h"
 #include "mapping/meshing/marching_cubes.h"

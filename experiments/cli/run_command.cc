@@ -8,8 +8,26 @@
 #include "experiments/closed_loop.h"
 #include "experiments/interrupt.h"
 #include "experiments/report/tables.h"
+#include "experiments/run_folder.h"
 
 namespace atlas::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+/// Opens the folder and says where it is when it is not the one to be expected.
+fs::path FolderFor(const RunArguments& arguments, const ExperimentConfig& config) {
+  const bool numbered = arguments.out.empty();
+  const fs::path wanted =
+      numbered ? fs::path("runs") / config.experiment / std::to_string(arguments.seed) : arguments.out;
+  const fs::path folder = OpenRunFolder(wanted, numbered, arguments.force);
+  if (folder != wanted) {
+    std::cerr << fmt::format("{} holds a run; this one goes to {}\n", wanted.string(), folder.string());
+  }
+  return folder;
+}
+
+}  // namespace
+
 int RunCommand(const RunArguments& arguments) {
   std::vector<std::string> assignments = arguments.assignments;
   if (arguments.video) assignments.emplace_back("output.video=true");
@@ -19,17 +37,21 @@ int RunCommand(const RunArguments& arguments) {
   RunOptions options;
   options.seed = arguments.seed;
   options.threads = arguments.threads;
-  options.folder = arguments.out.empty()
-                       ? std::filesystem::path("runs") / config.experiment / std::to_string(arguments.seed)
-                       : arguments.out;
+  options.folder = FolderFor(arguments, config);
   options.should_stop = Interrupted;
   options.progress = [&](const std::string& text, bool final) { line.Show(text, final); };
   InstallInterruptHandler();
 
-  const RunSummary summary = RunClosedLoop(config, options);
+  RunSummary summary;
+  try {
+    summary = RunClosedLoop(config, options);
+  } catch (...) {
+    DiscardInputs(options.folder);
+    throw;
+  }
   line.Show("", false);
   core::WriteFileAtomically(options.folder / "log.txt", line.log());
-  std::cout << CoverageTable(std::vector<RunSummary>{summary});
+  std::cout << CoverageTable(GroupRuns({LoadReportedRun(options.folder)}));
   std::cout << fmt::format("\n{} ({}); run folder: {}\n", NameOf(summary.status), NameOf(summary.stop_reason),
                            options.folder.string());
   return ExitCodeOf(summary.status);

@@ -6,6 +6,7 @@
 #include "experiments/experiment_config.h"
 #include "experiments/interrupt.h"
 #include "experiments/report/report.h"
+#include "experiments/run_identity.h"
 #include "experiments/sweep/sweep.h"
 
 namespace atlas::experiments {
@@ -16,10 +17,14 @@ int SweepCommand(const SweepArguments& arguments) {
   options.threads = arguments.threads;
   options.out = arguments.out;
   options.slurm = arguments.slurm;
+  options.command = "./atlas sweep " + arguments.name;
+  if (!arguments.out.empty()) options.command += " --out " + arguments.out.string();
+  if (arguments.keep_stale) options.command += " --keep-stale";
   options.terminal = isatty(STDOUT_FILENO) == 1;
   options.should_stop = Interrupted;
-  options.validate = [](const std::string& experiment, const std::vector<std::string>& assignments) {
-    LoadExperiment(experiment, assignments);
+  options.keep_stale = arguments.keep_stale;
+  options.identify = [](const std::string& experiment, const std::vector<std::string>& assignments) {
+    return IdentityOf(LoadExperiment(experiment, assignments));
   };
   const SweepSpec spec = LoadSweep(arguments.name);
   InstallInterruptHandler();

@@ -5,6 +5,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/fingerprint.h"
 
 namespace atlas::experiments {
 namespace {
@@ -19,7 +20,7 @@ struct Header {
 };
 
 uint64_t ChecksumOf(const Header& header, const std::string& bits) {
-  Fingerprint print;
+  core::Fingerprint print;
   print.Bytes(&header, offsetof(Header, checksum));
   print.Bytes(bits.data(), bits.size());
   return print.value();
@@ -35,27 +36,10 @@ std::string Pack(const std::vector<uint8_t>& flags) {
 
 }  // namespace
 
-void Fingerprint::Bytes(const void* data, size_t size) {
-  const auto* bytes = static_cast<const unsigned char*>(data);
-  const auto mix = [this](uint64_t word) {
-    state_ = (state_ ^ word) * 0xff51afd7ed558ccdull;
-    state_ ^= state_ >> 32;
-  };
-  size_t i = 0;
-  for (; i + 8 <= size; i += 8) {
-    uint64_t word;
-    std::memcpy(&word, bytes + i, 8);
-    mix(word);
-  }
-  uint64_t tail = 0;
-  if (i < size) std::memcpy(&tail, bytes + i, size - i);
-  mix(tail ^ (static_cast<uint64_t>(size) << 56));
-}
-
 uint64_t AttainableKey(const scenes::SceneSpec& scene, const scenes::GroundTruth& truth,
                        const robots::RobotSpec& robot, const core::LidarModel& lidar,
                        const AttainableOptions& options) {
-  Fingerprint print;
+  core::Fingerprint print;
   const auto pose = [&print](const core::Pose& T) { print.Bytes(T.matrix().data(), 16 * sizeof(double)); };
   const auto numbers = [&print](const auto& values) {
     print.Bytes(values.data(), values.size() * sizeof(values[0]));

@@ -47,6 +47,10 @@ double NumberIn(const std::vector<std::string>& cells, size_t column, const std:
   return value;
 }
 
+std::string CountText(const std::optional<int>& count) {
+  return count ? fmt::format("{}", *count) : std::string();
+}
+
 }  // namespace
 
 std::string_view NameOf(planner::NbvOutcome outcome) {
@@ -91,8 +95,8 @@ std::string StepsCsv(const std::vector<StepRow>& steps) {
                        core::YawOf(s.T_map_base.linear()), s.coverage_raw, s.coverage, share, s.cloud_points,
                        s.new_surface_voxels, s.outcome, s.candidates, s.nodes, s.rays);
     csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{:.4f},{}\n", s.gain, s.utility,
-                       s.utility_ratio, s.path_length_m, s.falls, s.collisions, s.shank_brushes, s.footholds,
-                       s.footholds_off_solid, s.worst_foot_drop_m, explored);
+                       s.utility_ratio, s.path_length_m, CountText(s.falls), CountText(s.collisions),
+                       s.shank_brushes, s.footholds, s.footholds_off_solid, s.worst_foot_drop_m, explored);
   }
   return csv;
 }

@@ -110,16 +110,16 @@ void RunRecorder::Summarise() {
     summary_.real_time_factor = summary_.sim_time_s.value_or(0.0) / *summary_.wall_time_s;
   }
   summary_.peak_rss_bytes = PeakRssBytes();
-  if (!summary_.falls) summary_.falls = 0.0;
-  if (!summary_.collisions) summary_.collisions = 0.0;
   if (steps_.empty()) return;
 
   const StepRow& last = steps_.back();
   summary_.coverage = last.coverage;
   summary_.coverage_raw = last.coverage_raw;
   summary_.coverage_of_attainable = last.coverage_of_attainable;
-  summary_.falls = std::max<double>(*summary_.falls, last.falls);
-  summary_.collisions = std::max<double>(*summary_.collisions, last.collisions);
+  if (last.falls) summary_.falls = std::max<double>(summary_.falls.value_or(0.0), *last.falls);
+  if (last.collisions) {
+    summary_.collisions = std::max<double>(summary_.collisions.value_or(0.0), *last.collisions);
+  }
   summary_.t50_s = TimeToReach(steps_, 0.50);
   summary_.t90_s = TimeToReach(steps_, 0.90);
   summary_.t95_s = TimeToReach(steps_, 0.95);

@@ -35,10 +35,11 @@ struct StepRow {
   double utility = 0.0;        ///< of the chosen view, Eq. 3.1
   double utility_ratio = 0.0;  ///< over the greatest so far
   double path_length_m = 0.0;
-  int falls = 0, collisions = 0, shank_brushes = 0;  ///< so far
-  int footholds = 0, footholds_off_solid = 0;        ///< so far
-  double worst_foot_drop_m = 0.0;                    ///< so far
-  std::optional<double> explored_m3;                 ///< known attainable volume, of scenes to explore
+  std::optional<int> falls, collisions;        ///< so far; nothing where no physics runs
+  int shank_brushes = 0;                       ///< so far
+  int footholds = 0, footholds_off_solid = 0;  ///< so far
+  double worst_foot_drop_m = 0.0;              ///< so far
+  std::optional<double> explored_m3;           ///< known attainable volume, of scenes to explore
 };
 
 /// Wall-clock times of one scan.

@@ -3,9 +3,25 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace atlas::experiments {
+namespace {
+
+/// P(|T| < t) for whole degrees of freedom, a finite sum (Abramowitz and Stegun 26.7.3, 26.7.4).
+double StudentCoverage(double t, int degrees) {
+  const double angle = std::atan(t / std::sqrt(degrees)), cosine = std::cos(angle), sine = std::sin(angle);
+  const bool odd = degrees % 2 == 1;
+  double term = odd ? cosine : 1.0, sum = 0.0;
+  for (int k = odd ? 1 : 0; k <= degrees - 2; k += 2) {
+    sum += term;
+    term *= cosine * cosine * (k + 1.0) / (k + 2.0);
+  }
+  return odd ? 2.0 / std::numbers::pi * (angle + sine * sum) : sine * sum;
+}
+
+}  // namespace
 
 SampleStatistics Describe(std::span<const double> values) {
   SampleStatistics s;
@@ -18,6 +34,22 @@ SampleStatistics Describe(std::span<const double> values) {
   s.min = *std::min_element(values.begin(), values.end());
   s.max = *std::max_element(values.begin(), values.end());
   return s;
+}
+
+double StudentT(double confidence, int degrees) {
+  assert(confidence > 0.0 && confidence < 1.0 && degrees >= 1);
+  double low = 0.0, high = 1.0;
+  while (StudentCoverage(high, degrees) < confidence) high *= 2.0;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (StudentCoverage(middle, degrees) < confidence ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double ConfidenceHalfWidth(const SampleStatistics& s) {
+  assert(s.count >= 2);
+  return StudentT(0.95, s.count - 1) * s.stddev / std::sqrt(s.count);
 }
 
 double Percentile(std::span<const double> values, double share) {

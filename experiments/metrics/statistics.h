@@ -16,6 +16,12 @@ struct SampleStatistics {
 };
 SampleStatistics Describe(std::span<const double> values);
 
+/// t with P(|T| < t) = `confidence` for Student's T of `degrees` degrees of freedom (0.95, 4: 2.776).
+/// @pre 0 < confidence < 1, degrees >= 1
+double StudentT(double confidence, int degrees);
+/// Half width of the 95 % confidence interval of the sample's mean: t s / sqrt(n). @pre s.count >= 2
+double ConfidenceHalfWidth(const SampleStatistics& s);
+
 /// The `share` quantile (0.95 = p95) with linear interpolation between order statistics. 0 for no values.
 /// @pre 0 <= share <= 1
 double Percentile(std::span<const double> values, double share);

@@ -4,14 +4,18 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/named_files.h"
 #include "mapping/io/cloud_writer.h"
 #include "mapping/io/recorded_poses.h"
 #include "scenes/catalog.h"
+#include "scenes/scene_files.h"
 
 namespace atlas::experiments {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kRouteFile = "route.yaml";  ///< the copy that a data set keeps
 
 void RefuseToMix(const fs::path& folder) {
   std::error_code error;
@@ -22,7 +26,8 @@ void RefuseToMix(const fs::path& folder) {
   }
 }
 
-std::string Describe(const DatasetRecorder& recorder, const DatasetCounts& counts, double truth_spacing_m) {
+std::string Describe(const DatasetRecorder& recorder, const std::string& scene, const DatasetCounts& counts,
+                     double truth_spacing_m) {
   const RecordOptions& options = recorder.options();
   const core::LidarModel& lidar = recorder.lidar();
   const auto& stamps = recorder.stamps_s();
@@ -31,8 +36,8 @@ std::string Describe(const DatasetRecorder& recorder, const DatasetCounts& count
   const auto line = [&text](const std::string& key, const std::string& value) {
     text += key + ": " + value + "\n";
   };
-  line("scene", options.scene);
-  line("route", recorder.route().file.filename().string());
+  line("scene", scene);
+  line("route", kRouteFile);
   line("lidar", lidar.name);
   line("rows", std::to_string(lidar.rows()));
   line("columns", std::to_string(lidar.columns));
@@ -92,6 +97,8 @@ size_t WriteTruth(const DatasetRecorder& recorder, const fs::path& path, double 
 DatasetCounts WriteDataset(DatasetRecorder* recorder, const fs::path& folder, double truth_spacing_m,
                            const std::function<bool(size_t, size_t)>& progress) {
   RefuseToMix(folder);
+  const std::string scene = scenes::KeepScene(recorder->options().scene, folder);
+  core::CopyFile(recorder->route().file, folder / kRouteFile);
   mapping::WriteTum(folder / "trajectory.tum", recorder->trajectory().poses());
   DatasetCounts counts;
   std::vector<core::StampedPose> poses;
@@ -108,7 +115,7 @@ DatasetCounts WriteDataset(DatasetRecorder* recorder, const fs::path& folder, do
   if (truth_spacing_m > 0.0 && !counts.interrupted) {
     counts.truth_points = WriteTruth(*recorder, folder / "truth.ply", truth_spacing_m);
   }
-  core::WriteFileAtomically(folder / "dataset.yaml", Describe(*recorder, counts, truth_spacing_m));
+  core::WriteFileAtomically(folder / "dataset.yaml", Describe(*recorder, scene, counts, truth_spacing_m));
   return counts;
 }
 

@@ -39,33 +39,36 @@ PlotSeries MeanSeries(const std::string& label, const std::vector<const Coverage
   return series;
 }
 
-/// Curves of one experiment by "gain, planner", in order of appearance.
-std::vector<std::pair<std::string, std::vector<const CoverageCurve*>>> CurvesByMethod(
-    const std::string& experiment, const std::vector<ReportedRun>& runs) {
-  std::vector<std::pair<std::string, std::vector<const CoverageCurve*>>> methods;
-  for (const ReportedRun& run : runs) {
-    if (run.summary.experiment != experiment || run.curve.scan.empty()) continue;
-    const std::string label = run.summary.gain + ", " + run.summary.planner;
-    auto method =
-        std::find_if(methods.begin(), methods.end(), [&](const auto& m) { return m.first == label; });
-    if (method == methods.end()) method = methods.insert(methods.end(), {label, {}});
-    method->second.push_back(&run.curve);
+/// A curve for each group of the object that was drawn anything.
+struct GroupCurves {
+  std::string label;
+  std::vector<const CoverageCurve*> curves;
+};
+std::vector<GroupCurves> CurvesOf(const std::string& object, const std::vector<RunGroup>& groups) {
+  std::vector<GroupCurves> all;
+  for (const RunGroup& group : groups) {
+    if (group.object != object) continue;
+    GroupCurves curves{group.gain + ", " + group.Method(), {}};
+    for (const ReportedRun& run : group.runs) {
+      if (!run.curve.scan.empty()) curves.curves.push_back(&run.curve);
+    }
+    if (!curves.curves.empty()) all.push_back(std::move(curves));
   }
-  return methods;
+  return all;
 }
 
 }  // namespace
 
-std::string CoverageByScanPlot(const std::string& experiment, const std::vector<ReportedRun>& runs) {
+std::string CoverageByScanPlot(const std::string& object, const std::vector<RunGroup>& groups) {
   std::vector<PlotSeries> series;
-  for (const auto& [label, curves] : CurvesByMethod(experiment, runs)) {
+  for (const auto& [label, curves] : CurvesOf(object, groups)) {
     double last = 1.0;
     for (const CoverageCurve* curve : curves) last = std::max(last, curve->scan.back());
     std::vector<double> grid;
     for (double scan = 1.0; scan <= last; scan += 1.0) grid.push_back(scan);
     series.push_back(MeanSeries(label, curves, &CoverageCurve::scan, grid, 1.0));
   }
-  return PlotSvg(series, {.title = experiment + ": coverage per scan",
+  return PlotSvg(series, {.title = object + ": coverage per scan",
                           .x_label = "scan",
                           .y_label = "point cloud coverage (%)",
                           .x_range = std::nullopt,
@@ -73,10 +76,10 @@ std::string CoverageByScanPlot(const std::string& experiment, const std::vector<
                           .integer_x = true});
 }
 
-std::string CoverageByTimePlot(const std::string& experiment, const std::vector<ReportedRun>& runs) {
+std::string CoverageByTimePlot(const std::string& object, const std::vector<RunGroup>& groups) {
   constexpr double kStepMin = 0.1, kMinutesPerSecond = 1.0 / 60.0;
   std::vector<PlotSeries> series;
-  for (const auto& [label, curves] : CurvesByMethod(experiment, runs)) {
+  for (const auto& [label, curves] : CurvesOf(object, groups)) {
     double last_min = kStepMin;
     for (const CoverageCurve* curve : curves)
       last_min = std::max(last_min, kMinutesPerSecond * curve->sim_time_s.back());
@@ -86,7 +89,7 @@ std::string CoverageByTimePlot(const std::string& experiment, const std::vector<
     mean.markers = false;
     series.push_back(std::move(mean));
   }
-  return PlotSvg(series, {.title = experiment + ": coverage over simulated time",
+  return PlotSvg(series, {.title = object + ": coverage over simulated time",
                           .x_label = "simulated time (min)",
                           .y_label = "point cloud coverage (%)",
                           .x_range = std::nullopt,

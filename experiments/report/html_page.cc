@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <set>
-
+#include "experiments/report/mapper_pairs.h"
 #include "experiments/report/report.h"
+#include "experiments/report/tables.h"
 
 namespace atlas::experiments {
 namespace {
@@ -16,7 +15,8 @@ constexpr const char* kStyle =
     "th{border-bottom:2px solid #333;font-weight:600}td{border-bottom:1px solid #eee}"
     ".l{text-align:left}.thesis td{color:#777;font-style:italic}.wide{overflow-x:auto}"
     ".plots{display:flex;flex-wrap:wrap;gap:16px}.plots svg{max-width:100%;height:auto;border:1px solid #eee}"
-    ".note{color:#a33}footer{margin-top:40px;color:#777;font-size:12px}";
+    ".note{color:#a33}.terms{color:#555;font-size:13px;margin:4px "
+    "0}footer{margin-top:40px;color:#777;font-size:12px}";
 
 std::string HtmlTable(const TextTable& table) {
   const auto cell = [&](const char* tag, const std::string& text, size_t column) {
@@ -31,43 +31,31 @@ std::string HtmlTable(const TextTable& table) {
     for (size_t i = 0; i < row.size(); ++i) html += cell("td", row[i], i);
     html += "</tr>\n";
   }
-  return html + "</table></div>\n";
+  html += "</table></div>\n";
+  for (const std::string& note : table.notes) html += "<p class=\"terms\">" + EscapeXml(note) + "</p>\n";
+  return html;
 }
 
 }  // namespace
 
-std::string HtmlPage(const std::vector<ReportedRun>& runs, const std::vector<std::string>& skipped) {
-  std::vector<RunSummary> summaries;
-  std::vector<std::string> experiments;
-  std::set<std::string> versions;
-  for (const ReportedRun& run : runs) {
-    summaries.push_back(run.summary);
-    if (std::count(experiments.begin(), experiments.end(), run.summary.experiment) == 0) {
-      experiments.push_back(run.summary.experiment);
-    }
-    versions.insert(run.summary.version +
-                    (run.summary.commit.empty() ? "" : " (" + run.summary.commit + ")"));
-  }
+std::string HtmlPage(const GroupedRuns& runs, const std::vector<std::string>& skipped) {
+  const std::vector<std::string> objects = ObjectsOf(runs.groups);
+  size_t count = 0;
+  for (const RunGroup& group : runs.groups) count += group.runs.size();
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>SE-Atlas report</title>"
-      "<style>{}</style></head><body>\n<h1>SE-Atlas report</h1>\n<p>{} runs of {} experiments.</p>\n",
-      kStyle, runs.size(), experiments.size());
+      "<style>{}</style></head><body>\n<h1>SE-Atlas report</h1>\n<p>{} runs of {} objects in {} "
+      "configurations.</p>\n",
+      kStyle, count, objects.size(), runs.groups.size());
   for (const std::string& line : skipped) html += "<p class=\"note\">left out: " + EscapeXml(line) + "</p>\n";
-  html += "<h2>Mean and spread over seeds</h2>\n" + HtmlTable(GroupTable(GroupRuns(summaries), true));
-  html +=
-      "<p>c_p: point cloud coverage (thesis Eq. 3.9, aligned). Attainable: the same score for the union of "
-      "noise-free "
-      "sweeps from all reachable poses. d_t: distance walked. n_s: scans. t_all: simulated time. t_nbv: wall "
-      "time a "
-      "decision. RTF: simulated over wall time. Spread: sample standard deviation.</p>\n";
-  for (const std::string& experiment : experiments) {
-    html += "<h2>" + EscapeXml(experiment) + "</h2>\n<div class=\"plots\">\n" +
-            CoverageByScanPlot(experiment, runs) + CoverageByTimePlot(experiment, runs) + "</div>\n";
+  html += "<h2>Means over seeds</h2>\n" + HtmlTable(GroupTable(runs));
+  const TextTable pairs = MapperPairsTable(runs.groups);
+  if (!pairs.rows.empty()) html += "<h2>Two mappers, same seeds</h2>\n" + HtmlTable(pairs);
+  for (const std::string& object : objects) {
+    html += "<h2>" + EscapeXml(object) + "</h2>\n<div class=\"plots\">\n" +
+            CoverageByScanPlot(object, runs.groups) + CoverageByTimePlot(object, runs.groups) + "</div>\n";
   }
-  html += "<h2>Every run</h2>\n" + HtmlTable(RunsTable(summaries));
-  html += "<footer>";
-  for (const std::string& version : versions) html += "version " + EscapeXml(version) + " ";
-  return html + "</footer>\n</body></html>\n";
+  return html + "<h2>Every run</h2>\n" + HtmlTable(RunsTable(runs)) + "</body></html>\n";
 }
 
 }  // namespace atlas::experiments

@@ -5,85 +5,104 @@
 #include <algorithm>
 #include <optional>
 
+#include "experiments/report/table_columns.h"
+#include "experiments/report/tables.h"
+
 namespace atlas::experiments {
 namespace {
 
-/// All that runs of one row share.
-bool AreAlike(const RunWithCurve& a, const RunWithCurve& b) {
-  return a.summary.experiment == b.summary.experiment && a.summary.gain == b.summary.gain &&
-         a.summary.planner == b.summary.planner && a.variant == b.variant;
+constexpr const char* kMapper = "se_atlas";
+
+const std::string& MapperOf(const RunGroup& group) {
+  return group.runs.front().summary.mapper;
 }
 
-/// The mean of those that there are.
-class Mean {
- public:
-  void Add(double value) {
-    sum_ += value;
-    ++count_;
-  }
-  void AddRatio(std::optional<double> a, std::optional<double> b) {
-    if (a && b && *b > 0.0) Add(*a / *b);
-  }
-  std::string Text(const char* format) const {
-    return count_ > 0 ? fmt::format(fmt::runtime(format), sum_ / count_) : "-";
-  }
+bool DifferInMapperOnly(const RunGroup& a, const RunGroup& b) {
+  if (a.object != b.object || MapperOf(a) == MapperOf(b)) return false;
+  const std::vector<std::string> paths = DifferingPaths(a.settings, b.settings);
+  return std::all_of(paths.begin(), paths.end(), [&](const std::string& path) {
+    const bool one_sided = a.settings.contains(path) != b.settings.contains(path);
+    return path == "mapper.name" || (one_sided && path.starts_with("mapper."));
+  });
+}
 
- private:
-  double sum_ = 0.0;
-  int count_ = 0;
+/// The variant less the mapper's name, which has a column.
+std::string VariantBesideMapper(const RunGroup& group) {
+  const std::string name = "mapper=" + MapperOf(group);
+  std::string variant = group.variant;
+  const size_t at = variant.find(name);
+  if (at == std::string::npos) return variant;
+  variant.erase(at > 0 ? at - 1 : at, name.size() + 1);  // and the space beside it
+  return variant;
+}
+
+/// What pairs of runs differ in, a value a pair.
+struct Differences {
+  std::vector<double> at_end, at_equal_scans, scans, integration, nbv;
+
+  static void AddRatio(std::optional<double> a, std::optional<double> b, std::vector<double>* to) {
+    if (a && b && *b > 0.0) to->push_back(*a / *b);
+  }
+  void Add(const ReportedRun& atlas, const ReportedRun& other) {
+    const auto &a = atlas.curve.coverage, &b = other.curve.coverage;
+    const size_t both = std::min(a.size(), b.size());
+    at_end.push_back(100.0 * (a.back() - b.back()));
+    at_equal_scans.push_back(100.0 * (a[both - 1] - b[both - 1]));
+    scans.push_back(static_cast<double>(a.size()) - static_cast<double>(b.size()));
+    AddRatio(atlas.summary.integration_ms_mean, other.summary.integration_ms_mean, &integration);
+    AddRatio(atlas.summary.nbv_time_s_mean, other.summary.nbv_time_s_mean, &nbv);
+  }
 };
 
-struct Row {
-  explicit Row(const RunWithCurve* run) : first(run) {}
+Differences PairsOf(const RunGroup& atlas, const RunGroup& other) {
+  Differences differences;
+  for (const ReportedRun& a : atlas.runs) {
+    for (const ReportedRun& b : other.runs) {
+      const bool drawn = !a.curve.coverage.empty() && !b.curve.coverage.empty();
+      if (drawn && a.summary.seed == b.summary.seed) differences.Add(a, b);
+    }
+  }
+  return differences;
+}
 
-  const RunWithCurve* first;  ///< the others are like it
-  int pairs = 0;
-  Mean at_end, at_equal_scans, scans, integration, nbv;
-};
-
-void Add(const RunWithCurve& atlas, const RunWithCurve& octomap, Row* row) {
-  const auto &a = atlas.curve.coverage, &b = octomap.curve.coverage;
-  const size_t both = std::min(a.size(), b.size());
-  ++row->pairs;
-  row->at_end.Add(100.0 * (a.back() - b.back()));
-  row->at_equal_scans.Add(100.0 * (a[both - 1] - b[both - 1]));
-  row->scans.Add(static_cast<double>(a.size()) - static_cast<double>(b.size()));
-  row->integration.AddRatio(atlas.summary.integration_ms_mean, octomap.summary.integration_ms_mean);
-  row->nbv.AddRatio(atlas.summary.nbv_time_s_mean, octomap.summary.nbv_time_s_mean);
+std::string Signed(const std::vector<double>& values, int decimals) {
+  return MeanWithInterval(Describe(values), [=](double v) { return fmt::format("{:+.{}f}", v, decimals); });
+}
+std::string Ratio(const std::vector<double>& values) {
+  return MeanWithInterval(Describe(values), [](double v) { return fmt::format("{:.2f}", v); });
 }
 
 }  // namespace
 
-TextTable MapperPairsTable(const std::vector<RunWithCurve>& runs) {
-  std::vector<Row> rows;
-  for (const RunWithCurve& atlas : runs) {
-    if (atlas.summary.mapper != "se_atlas" || atlas.curve.coverage.empty()) continue;
-    const auto octomap = std::find_if(runs.begin(), runs.end(), [&](const RunWithCurve& other) {
-      return other.summary.mapper == "octomap" && !other.curve.coverage.empty() && AreAlike(atlas, other) &&
-             atlas.summary.seed == other.summary.seed;
-    });
-    if (octomap == runs.end()) continue;
-    auto row =
-        std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return AreAlike(*r.first, atlas); });
-    if (row == rows.end()) {
-      rows.emplace_back(&atlas);
-      row = rows.end() - 1;
-    }
-    Add(atlas, *octomap, &*row);
-  }
-  TextTable table{{"object", "gain", "planner", "pairs", "c_p at the end", "after equal scans", "scans",
-                   "integration", "t_nbv"},
-                  {true, true, true},
+TextTable MapperPairsTable(const std::vector<RunGroup>& groups) {
+  TextTable table{{"object", "gain", "planner", "against", "pairs", "c_p at the end", "after equal scans",
+                   "scans", "integration", "t_nbv"},
+                  {true, true, true, true},
                   {},
                   {}};
   table.left.resize(table.heading.size(), false);
-  for (const Row& row : rows) {
-    const RunSummary& s = row.first->summary;
-    table.rows.push_back(
-        {s.experiment, s.gain, row.first->variant.empty() ? s.planner : s.planner + " " + row.first->variant,
-         fmt::format("{}", row.pairs), row.at_end.Text("{:+.2f}"), row.at_equal_scans.Text("{:+.2f}"),
-         row.scans.Text("{:+.1f}"), row.integration.Text("{:.2f}"), row.nbv.Text("{:.2f}")});
+  std::vector<RunGroup> shown;
+  for (const RunGroup& atlas : groups) {
+    for (const RunGroup& other : groups) {
+      if (MapperOf(atlas) != kMapper || !DifferInMapperOnly(atlas, other)) continue;
+      const Differences pairs = PairsOf(atlas, other);
+      if (pairs.at_end.empty()) continue;
+      const std::string variant = VariantBesideMapper(atlas);
+      table.rows.push_back({atlas.object, atlas.gain,
+                            variant.empty() ? atlas.planner : atlas.planner + " " + variant, MapperOf(other),
+                            fmt::format("{}", pairs.at_end.size()), Signed(pairs.at_end, 2),
+                            Signed(pairs.at_equal_scans, 2), Signed(pairs.scans, 1), Ratio(pairs.integration),
+                            Ratio(pairs.nbv)});
+      for (const RunGroup* group : {&atlas, &other}) shown.push_back(*group);
+    }
   }
+  if (table.rows.empty()) return table;
+  table.notes = {
+      "SE-Atlas less the other mapper, of pairs with the same seed: points of coverage, scans; ratios of "
+      "times. "
+      "a ± b: mean and half width of its 95 % confidence interval (t distribution); a [b, c]: of two pairs, "
+      "both"};
+  for (std::string& note : WordNotes(shown)) table.notes.push_back(std::move(note));
   return table;
 }
 

@@ -7,6 +7,8 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/safe_text.h"
+#include "experiments/report/tables.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
@@ -35,19 +37,28 @@ std::vector<fs::path> RunFoldersBelow(const fs::path& root) {
   return folders;
 }
 
-void WriteTables(const std::vector<ReportedRun>& runs, const fs::path& out) {
-  std::vector<RunSummary> summaries;
-  for (const ReportedRun& run : runs) summaries.push_back(run.summary);
-  const std::vector<RunGroup> groups = GroupRuns(summaries);
-  const TextTable table = GroupTable(groups, true);
-  core::WriteFileAtomically(out / "table.md", ToMarkdown(table));
-  core::WriteFileAtomically(out / "table.csv", ToCsv(table));
-  core::WriteFileAtomically(out / "table.tex", ToLatex(table));
-  core::WriteFileAtomically(out / "runs.csv", ToCsv(RunsTable(summaries)));
-  core::WriteFileAtomically(out / "statistics.csv", ToCsv(StatisticsTable(groups)));
+std::string CommandOf(const std::vector<fs::path>& folders, const fs::path& out) {
+  std::string command = "./atlas report";
+  for (const fs::path& folder : folders) command += " " + folder.string();
+  return out.empty() ? command : command + " --out " + out.string();
+}
+
+void WritePlots(const std::vector<RunGroup>& groups, const fs::path& folder) {
+  for (const std::string& object : ObjectsOf(groups)) {
+    core::WriteFileAtomically(folder / ("coverage_" + core::FileNameFrom(object) + ".svg"),
+                              CoverageByScanPlot(object, groups));
+  }
 }
 
 }  // namespace
+
+std::vector<std::string> ObjectsOf(const std::vector<RunGroup>& groups) {
+  std::vector<std::string> objects;
+  for (const RunGroup& group : groups) {
+    if (std::count(objects.begin(), objects.end(), group.object) == 0) objects.push_back(group.object);
+  }
+  return objects;
+}
 
 int RunReport(const std::vector<fs::path>& folders, const fs::path& out, std::ostream& log) {
   if (folders.empty()) throw core::InputError("report: name at least one run folder");
@@ -56,7 +67,9 @@ int RunReport(const std::vector<fs::path>& folders, const fs::path& out, std::os
   for (const fs::path& root : folders) {
     for (const fs::path& folder : RunFoldersBelow(root)) {
       try {
-        runs.push_back({folder, LoadRunSummary(folder), LoadCoverageCurve(folder)});
+        ReportedRun run = LoadReportedRun(folder);
+        run.curve = LoadCoverageCurve(folder);
+        runs.push_back(std::move(run));
       } catch (const core::InputError& error) {
         skipped.push_back(error.what());
         log << "left out: " << error.what() << "\n";
@@ -68,19 +81,11 @@ int RunReport(const std::vector<fs::path>& folders, const fs::path& out, std::os
                                        folders.front().string()));
   }
   const fs::path target = out.empty() ? folders.front() : out;
-  WriteTables(runs, target);
-  std::vector<std::string> drawn;
-  std::vector<RunSummary> summaries;
-  for (const ReportedRun& run : runs) {
-    summaries.push_back(run.summary);
-    const std::string& experiment = run.summary.experiment;
-    if (std::count(drawn.begin(), drawn.end(), experiment) > 0) continue;
-    drawn.push_back(experiment);
-    core::WriteFileAtomically(target / ("coverage_" + experiment + ".svg"),
-                              CoverageByScanPlot(experiment, runs));
-  }
-  core::WriteFileAtomically(target / "report.html", HtmlPage(runs, skipped));
-  log << CoverageTable(summaries) << "\nreport: " << (target / "report.html").string() << "\n";
+  const GroupedRuns grouped = GroupRuns(runs);
+  WriteTables(grouped, CommandOf(folders, out), target);
+  WritePlots(grouped.groups, target);
+  core::WriteFileAtomically(target / "report.html", HtmlPage(grouped, skipped));
+  log << CoverageTable(grouped) << "\nreport: " << (target / "report.html").string() << "\n";
   return 0;
 }
 

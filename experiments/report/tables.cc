@@ -4,122 +4,103 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "experiments/report/thesis_anchors.h"
+#include "core/files.h"
+#include "experiments/report/mapper_pairs.h"
+#include "experiments/report/table_columns.h"
 
 namespace atlas::experiments {
+namespace fs = std::filesystem;
 namespace {
 
-using Number = std::optional<double> RunSummary::*;
+using Use = Column::Use;
 
-/// "83.76" or "83.76 ± 0.40"; "-" where no run has the number.
-std::string MeanAndSpread(const SampleStatistics& s, double scale, int decimals) {
-  if (s.count == 0) return "-";
-  if (s.count == 1) return fmt::format("{:.{}f}", scale * s.mean, decimals);
-  return fmt::format("{:.{}f} ± {:.{}f}", scale * s.mean, decimals, scale * s.stddev, decimals);
+struct Row {
+  const RunGroup* group = nullptr;
+  std::optional<ThesisRow> thesis = std::nullopt;  ///< stands in place of a group
+};
+
+std::string CellOf(const Row& row, const Column& column) {
+  if (!row.thesis) return column.of_group(*row.group);
+  return column.of_thesis == nullptr ? "" : column.of_thesis(*row.thesis);
 }
 
-std::string MeanOf(const SampleStatistics& s, double scale, int decimals) {
-  return s.count == 0 ? "-" : fmt::format("{:.{}f}", scale * s.mean, decimals);
-}
-
-std::string TimeAndSpread(const SampleStatistics& s) {
-  if (s.count == 0) return "-";
-  return s.count == 1 ? MinutesSeconds(s.mean)
-                      : fmt::format("{} ± {}", MinutesSeconds(s.mean), MinutesSeconds(s.stddev));
-}
-
-/// Falls and collisions are summed over seeds: one is one too many.
-std::string TotalOf(const RunGroup& group, Number number) {
-  double sum = 0.0;
-  for (const RunSummary& run : group.runs) sum += (run.*number).value_or(0.0);
-  return fmt::format("{:.0f}", sum);
-}
-
-std::string StatusOf(const RunGroup& group) {
-  if (group.runs.size() == 1) {
-    return fmt::format("{} ({})", NameOf(group.runs[0].status), NameOf(group.runs[0].stop_reason));
+/// The table's columns: those of its kind, and of the others those that a row has a value for.
+std::vector<const Column*> ColumnsFor(const std::vector<Row>& rows, Use kind) {
+  std::vector<const Column*> columns;
+  for (const Column& column : TableColumns()) {
+    const bool of_a_kind = column.use == Use::kGroups || column.use == Use::kRuns;
+    const bool measured = std::any_of(rows.begin(), rows.end(), [&](const Row& row) {
+      return row.group != nullptr && column.of_group(*row.group) != kNotMeasured;
+    });
+    if (of_a_kind ? column.use == kind : column.use == Use::kAlways || measured) columns.push_back(&column);
   }
-  std::string text;
-  for (int i = 0; i <= static_cast<int>(RunStatus::kFailed); ++i) {
-    const int count = group.CountOf(static_cast<RunStatus>(i));
-    if (count > 0)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, NameOf(static_cast<RunStatus>(i)));
+  return columns;
+}
+
+std::vector<std::string> Terms(const std::vector<const Column*>& columns, const std::vector<Row>& rows) {
+  std::string terms;
+  for (const Column* column : columns) {
+    if (column->meaning.empty()) continue;
+    const std::string name = column->heading.substr(0, column->heading.rfind(' '));
+    terms += fmt::format("{}{}: {}", terms.empty() ? "" : "; ", name, column->meaning);
   }
-  return text;
-}
-
-std::string PlannerOf(const RunGroup& group) {
-  std::string text = group.planner;
-  if (!group.variant.empty()) text += " " + group.variant;
-  if (!group.locomotion.empty() && group.locomotion != "trot") text += " [" + group.locomotion + "]";
-  return text;
-}
-
-std::vector<std::string> GroupRow(const RunGroup& g) {
-  return {g.experiment,
-          g.gain,
-          PlannerOf(g),
-          MeanAndSpread(g.Over(&RunSummary::coverage), 100.0, 2),
-          MeanOf(g.Over(&RunSummary::coverage_attainable), 100.0, 1),
-          MeanAndSpread(g.Over(&RunSummary::coverage_of_attainable), 100.0, 2),
-          MeanAndSpread(g.Over(&RunSummary::travel_distance_m), 1.0, 2),
-          MeanAndSpread(g.Over(&RunSummary::scans), 1.0, g.runs.size() > 1 ? 1 : 0),
-          TimeAndSpread(g.Over(&RunSummary::sim_time_s)),
-          MeanAndSpread(g.Over(&RunSummary::nbv_time_s_mean), 1.0, 2),
-          MeanAndSpread(g.Over(&RunSummary::real_time_factor), 1.0, 1),
-          TotalOf(g, &RunSummary::falls),
-          TotalOf(g, &RunSummary::collisions),
-          fmt::format("{}", g.runs.size()),
-          StatusOf(g)};
-}
-
-/// What was mapped: the experiment, or the scene that was put in its place.
-std::string ObjectOf(const RunSummary& run) {
-  if (run.scene.empty() || run.scene == run.experiment) return run.experiment;
-  return std::filesystem::path(run.scene).stem().string();
-}
-
-std::vector<std::string> ThesisCells(const ThesisRow& row) {
-  return {fmt::format("  thesis, Table {}", row.table),
-          std::string(row.gain),
-          "",
-          fmt::format("{:.2f}", row.coverage_percent),
-          "",
-          "",
-          fmt::format("{:.2f}", row.travel_distance_m),
-          fmt::format("{}", row.scans),
-          MinutesSeconds(row.time_s),
-          fmt::format("{:.2f}", row.nbv_time_s),
-          "",
-          "",
-          "",
-          "",
-          ""};
-}
-
-/// Explored volume, a line a group that has one.
-std::string VolumeLines(const std::vector<RunGroup>& groups) {
-  std::string lines;
-  for (const RunGroup& g : groups) {
-    const SampleStatistics explored = g.Over(&RunSummary::explored_volume_m3);
-    if (explored.count == 0) continue;
-    lines += fmt::format("{}: explored {} m3 of {} m3 attainable ({} %)\n", g.experiment,
-                         MeanAndSpread(explored, 1.0, 1),
-                         MeanOf(g.Over(&RunSummary::explored_volume_attainable_m3), 1.0, 1),
-                         MeanAndSpread(g.Over(&RunSummary::explored_of_attainable), 100.0, 2));
+  std::vector<std::string> notes = {terms};
+  size_t most = 0;
+  bool two = false;
+  for (const Row& row : rows) {
+    if (row.group == nullptr) continue;
+    most = std::max(most, row.group->runs.size());
+    two = two || row.group->runs.size() == 2;
   }
-  return lines;
+  if (most >= 3) {
+    notes.push_back("a ± b: mean over seeds and half width of its 95 % confidence interval (t distribution)" +
+                    std::string(two ? "; a [b, c]: of two seeds, both" : ""));
+  } else if (two) {
+    notes.push_back("a [b, c]: mean of two seeds, and both");
+  }
+  return notes;
 }
 
-TextTable EmptyGroupTable() {
+/// The words of the summaries as columns behind the others.
+void AppendWords(const std::vector<Row>& rows, TextTable* table) {
+  for (const auto& [word, member] : SummaryWords()) {
+    if (word == "planner" || word == "gain") continue;
+    table->heading.emplace_back(word);
+    table->left.push_back(true);
+    for (size_t i = 0; i < rows.size(); ++i) {
+      table->rows[i].push_back(rows[i].group == nullptr ? "" : rows[i].group->runs.front().summary.*member);
+    }
+  }
+}
+
+TextTable Assemble(const std::vector<Row>& rows, Use kind) {
+  const std::vector<const Column*> columns = ColumnsFor(rows, kind);
   TextTable table;
-  table.heading = {"object",     "gain", "planner", "c_p %",   "attainable %", "of attainable %",
-                   "d_t m",      "n_s",  "t_all",   "t_nbv s", "RTF",          "falls",
-                   "collisions", "runs", "status"};
-  table.left = {true,  true,  true,  false, false, false, false, false,
-                false, false, false, false, false, false, true};
+  for (const Column* column : columns) {
+    table.heading.push_back(column->heading);
+    table.left.push_back(column->left);
+  }
+  const std::string* object = nullptr;
+  for (const Row& row : rows) {
+    if (row.group != nullptr) {
+      if (object != nullptr && *object != row.group->object) table.rules_before.push_back(table.rows.size());
+      object = &row.group->object;
+    }
+    std::vector<std::string>& cells = table.rows.emplace_back();
+    for (const Column* column : columns) cells.push_back(CellOf(row, *column));
+  }
+  table.notes = Terms(columns, rows);
+  return table;
+}
+
+TextTable WithWords(TextTable table, const std::vector<Row>& rows, const GroupedRuns& runs, Words words) {
+  if (words == Words::kColumns) {
+    AppendWords(rows, &table);
+  } else {
+    for (std::string& note : WordNotes(runs.groups)) table.notes.push_back(std::move(note));
+  }
+  table.notes.insert(table.notes.end(), runs.notes.begin(), runs.notes.end());
   return table;
 }
 
@@ -130,77 +111,46 @@ std::string MinutesSeconds(double seconds) {
   return fmt::format("{:02d}:{:02d}", whole / 60, whole % 60);
 }
 
-SampleStatistics RunGroup::Over(Number number) const {
-  std::vector<double> values;
-  for (const RunSummary& run : runs) {
-    if (run.*number) values.push_back(*(run.*number));
-  }
-  return Describe(values);
-}
-
-int RunGroup::CountOf(RunStatus status) const {
-  return static_cast<int>(
-      std::count_if(runs.begin(), runs.end(), [&](const RunSummary& run) { return run.status == status; }));
-}
-
-std::vector<RunGroup> GroupRuns(const std::vector<LabelledRun>& runs) {
-  std::vector<RunGroup> groups;
-  for (const auto& [run, variant] : runs) {
-    const auto same = [&](const RunGroup& g) {
-      return g.experiment == ObjectOf(run) && g.gain == run.gain && g.planner == run.planner &&
-             g.mapper == run.mapper && g.locomotion == run.locomotion && g.variant == variant;
-    };
-    auto group = std::find_if(groups.begin(), groups.end(), same);
-    if (group == groups.end()) {
-      groups.push_back({ObjectOf(run), run.gain, run.planner, run.mapper, run.locomotion, variant, {}});
-      group = groups.end() - 1;
-    }
-    group->runs.push_back(run);
-  }
-  return groups;
-}
-
-std::vector<RunGroup> GroupRuns(const std::vector<RunSummary>& runs) {
-  std::vector<LabelledRun> labelled;
-  for (const RunSummary& run : runs) labelled.push_back({run, ""});
-  return GroupRuns(labelled);
-}
-
-TextTable GroupTable(const std::vector<RunGroup>& groups, bool with_thesis) {
-  TextTable table = EmptyGroupTable();
+TextTable GroupTable(const GroupedRuns& runs, Words words) {
+  const std::vector<RunGroup>& groups = runs.groups;
+  std::vector<Row> rows;
   for (size_t i = 0; i < groups.size(); ++i) {
-    if (i > 0 && groups[i].experiment != groups[i - 1].experiment)
-      table.rules_before.push_back(table.rows.size());
-    table.rows.push_back(GroupRow(groups[i]));
-    const bool last_of_kind = i + 1 == groups.size() || groups[i + 1].experiment != groups[i].experiment ||
+    rows.push_back({.group = &groups[i]});
+    const bool last_of_kind = i + 1 == groups.size() || groups[i + 1].object != groups[i].object ||
                               groups[i + 1].gain != groups[i].gain;
-    const auto thesis = FindThesisRow(groups[i].experiment, groups[i].gain);
-    if (with_thesis && last_of_kind && thesis) table.rows.push_back(ThesisCells(*thesis));
+    const auto thesis = FindThesisRow(groups[i].object, groups[i].gain);
+    if (last_of_kind && thesis) rows.push_back({.thesis = thesis});
   }
-  return table;
+  return WithWords(Assemble(rows, Use::kGroups), rows, runs, words);
 }
 
-TextTable RunsTable(const std::vector<RunSummary>& runs) {
-  TextTable table = EmptyGroupTable();
-  table.heading[13] = "seed";
-  for (const RunSummary& run : runs) {
-    RunGroup group{ObjectOf(run), run.gain, run.planner, run.mapper, run.locomotion, "", {run}};
-    table.rows.push_back(GroupRow(group));
-    table.rows.back()[13] = fmt::format("{}", run.seed);
+TextTable RunsTable(const GroupedRuns& runs, Words words) {
+  std::vector<RunGroup> singles;
+  for (const RunGroup& group : runs.groups) {
+    for (const ReportedRun& run : group.runs) {
+      singles.push_back({group.object, group.gain, group.planner, group.variant, group.settings, {run}});
+    }
   }
-  return table;
+  for (const ReportedRun& run : runs.left_out) {
+    const RunSummary& s = run.summary;
+    singles.push_back({ObjectOf(s), s.gain, s.planner, "(left out)", run.settings, {run}});
+  }
+  std::vector<Row> rows;
+  for (const RunGroup& single : singles) rows.push_back({.group = &single});
+  return WithWords(Assemble(rows, Use::kRuns), rows, runs, words);
 }
 
 TextTable StatisticsTable(const std::vector<RunGroup>& groups) {
   TextTable table;
-  table.heading = {"object", "gain", "planner", "number", "runs", "mean", "stddev", "min", "max"};
-  table.left = {true, true, true, true, false, false, false, false, false};
+  table.heading = {"object", "gain", "planner", "number", "runs", "mean", "stddev", "ci95", "min", "max"};
+  table.left = {true, true, true, true, false, false, false, false, false, false};
   for (const RunGroup& g : groups) {
-    const auto add = [&](const char* name, Number number) {
+    const auto add = [&](const char* name, SummaryNumber number) {
       const SampleStatistics s = g.Over(number);
       if (s.count == 0) return;
-      table.rows.push_back({g.experiment, g.gain, PlannerOf(g), name, fmt::format("{}", s.count),
+      table.rows.push_back({g.object, g.gain, g.Method(), name, fmt::format("{}", s.count),
                             fmt::format("{:.6g}", s.mean), fmt::format("{:.6g}", s.stddev),
+                            s.count > 1 ? fmt::format("{:.6g}", ConfidenceHalfWidth(s)) : "",
                             fmt::format("{:.6g}", s.min), fmt::format("{:.6g}", s.max)});
     };
 #define X(key) add(#key, &RunSummary::key);
@@ -210,15 +160,21 @@ TextTable StatisticsTable(const std::vector<RunGroup>& groups) {
   return table;
 }
 
-std::string CoverageTable(const std::vector<RunGroup>& groups) {
-  return ToTerminal(GroupTable(groups, true)) + VolumeLines(groups) +
-         "c_p: coverage, thesis Eq. 3.9 (aligned); attainable: its ceiling from all reachable poses; d_t: "
-         "distance;\n"
-         "n_s: scans; t_all: simulated time; t_nbv: wall time a decision; RTF: simulated over wall time.\n";
+std::string CoverageTable(const GroupedRuns& runs) {
+  return ToTerminal(GroupTable(runs));
 }
 
-std::string CoverageTable(const std::vector<RunSummary>& runs) {
-  return CoverageTable(GroupRuns(runs));
+void WriteTables(const GroupedRuns& runs, const std::string& command, const fs::path& folder) {
+  const TextTable table = GroupTable(runs);
+  core::WriteFileAtomically(folder / "table.md", fmt::format("`{}`\n\n{}", command, ToMarkdown(table)));
+  core::WriteFileAtomically(folder / "table.tex", ToLatex(table));
+  core::WriteFileAtomically(folder / "table.csv", ToCsv(GroupTable(runs, Words::kColumns)));
+  core::WriteFileAtomically(folder / "runs.csv", ToCsv(RunsTable(runs, Words::kColumns)));
+  core::WriteFileAtomically(folder / "statistics.csv", ToCsv(StatisticsTable(runs.groups)));
+  const TextTable pairs = MapperPairsTable(runs.groups);
+  std::error_code error;
+  fs::remove(folder / "pairs.md", error);
+  if (!pairs.rows.empty()) core::WriteFileAtomically(folder / "pairs.md", ToMarkdown(pairs));
 }
 
 }  // namespace atlas::experiments

@@ -1,62 +1,37 @@
-// Result tables in the form of the thesis's Table 3.1, for the terminal, Markdown, CSV and LaTeX.
+// Result tables in the form of the thesis's Table 3.1, for the terminal, Markdown, CSV, LaTeX and HTML.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "experiments/metrics/run_summary.h"
-#include "experiments/metrics/statistics.h"
+#include "experiments/report/run_groups.h"
+#include "experiments/report/text_table.h"
 
 namespace atlas::experiments {
 
-/// Cells of text, the first row the heading. Columns flagged `left` are aligned left, the others right.
-struct TextTable {
-  std::vector<std::string> heading;
-  std::vector<bool> left;
-  std::vector<std::vector<std::string>> rows;
-  std::vector<size_t> rules_before;  ///< a line is drawn before these rows
-};
+/// Where the words of summary.json go (localisation, odometry, mapper, deviations, commit ...).
+enum class Words { kNotes, kColumns };
 
-/// Aligned columns; display width counts UTF-8 characters, not bytes.
-std::string ToTerminal(const TextTable& table);
-std::string ToMarkdown(const TextTable& table);
-std::string ToCsv(const TextTable& table);
-/// A booktabs tabular, special characters escaped.
-std::string ToLatex(const TextTable& table);
+/// One row a group: means, from three seeds on with the half width of their 95 % confidence interval. The
+/// thesis's row stands under each kind where it has one. Columns that no row has a value for are left out.
+TextTable GroupTable(const GroupedRuns& runs, Words words = Words::kNotes);
+/// One row a run, those that no mean holds last.
+TextTable RunsTable(const GroupedRuns& runs, Words words = Words::kNotes);
 
-/// Runs that differ in seed only.
-struct RunGroup {
-  std::string experiment, gain, planner, mapper, locomotion;
-  std::string variant;  ///< further settings that tell groups of a sweep apart; often empty
-  std::vector<RunSummary> runs;
-
-  /// Statistics over the runs that have this number.
-  SampleStatistics Over(std::optional<double> RunSummary::*number) const;
-  int CountOf(RunStatus status) const;
-};
-
-/// A run and the settings that a sweep varied besides experiment, gain and planner.
-struct LabelledRun {
-  RunSummary summary;
-  std::string variant;
-};
-/// Groups in order of first appearance.
-std::vector<RunGroup> GroupRuns(const std::vector<LabelledRun>& runs);
-std::vector<RunGroup> GroupRuns(const std::vector<RunSummary>& runs);
-
-/// One row a group, mean ± spread over seeds where there are several, the thesis's row under each where it
-/// has one.
-TextTable GroupTable(const std::vector<RunGroup>& groups, bool with_thesis);
-/// One row a run.
-TextTable RunsTable(const std::vector<RunSummary>& runs);
-
-/// The table that ends a run or a sweep in the terminal: GroupTable with the thesis's rows and a line on
-/// terms.
-std::string CoverageTable(const std::vector<RunSummary>& runs);
-std::string CoverageTable(const std::vector<RunGroup>& groups);
+/// GroupTable for the terminal.
+std::string CoverageTable(const GroupedRuns& runs);
 
 /// Every number of summary.json over seeds, a line a group and number (for spreadsheets and statistics).
 TextTable StatisticsTable(const std::vector<RunGroup>& groups);
+
+/// Lines under a table of these groups: what the words of their summaries say, once where all agree, else by
+/// the rows that they hold for.
+std::vector<std::string> WordNotes(const std::vector<RunGroup>& groups);
+
+/// Writes table.{md,csv,tex}, runs.csv, statistics.csv and, where two mappers ran the same seeds, pairs.md.
+/// `command` is named above table.md. @throws InputError when the folder cannot be written.
+void WriteTables(const GroupedRuns& runs, const std::string& command, const std::filesystem::path& folder);
 
 /// "12:26" (minutes are not limited to two digits).
 std::string MinutesSeconds(double seconds);

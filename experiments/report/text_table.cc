@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "experiments/report/tables.h"
+#include "experiments/report/text_table.h"
 
 namespace atlas::experiments {
 namespace {
@@ -56,6 +56,22 @@ std::string Join(const std::vector<std::string>& cells, const std::string& betwe
   return line;
 }
 
+/// `text` in lines of at most `width` characters, broken at spaces.
+std::string Wrapped(const std::string& text, size_t width) {
+  std::string lines, line;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (!line.empty() && DisplayWidth(line) + 1 + DisplayWidth(word) > width) {
+      lines += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+    begin = end + 1;
+  }
+  return lines + line + "\n";
+}
+
 }  // namespace
 
 std::string ToTerminal(const TextTable& table) {
@@ -84,6 +100,8 @@ std::string ToTerminal(const TextTable& table) {
     if (r > 0 && std::count(table.rules_before.begin(), table.rules_before.end(), r) > 0) text += rule;
     text += line_of(table.rows[r]);
   }
+  constexpr size_t kNarrowest = 80;
+  for (const std::string& note : table.notes) text += Wrapped(note, std::max(total, kNarrowest));
   return text;
 }
 
@@ -97,6 +115,7 @@ std::string ToMarkdown(const TextTable& table) {
   for (size_t i = 0; i < table.heading.size(); ++i) text += IsLeft(table, i) ? "---|" : "---:|";
   text += "\n";
   for (const auto& row : table.rows) text += "| " + Join(row, " | ", escape) + " |\n";
+  for (const std::string& note : table.notes) text += "\n" + note + "\n";
   return text;
 }
 
@@ -115,7 +134,11 @@ std::string ToLatex(const TextTable& table) {
       text += "\\midrule\n";
     text += Join(table.rows[r], " & ", EscapeLatex) + " \\\\\n";
   }
-  return text + "\\bottomrule\n\\end{tabular}\n";
+  text += "\\bottomrule\n\\end{tabular}\n";
+  for (const std::string& note : table.notes) {
+    text += "\n{\\footnotesize " + EscapeLatex(note) + "\\par}\n";
+  }
+  return text;
 }
 
 }  // namespace atlas::experiments

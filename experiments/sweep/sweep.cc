@@ -8,8 +8,8 @@
 
 #include <chrono>
 #include <list>
+#include <map>
 #include <ostream>
-#include <set>
 #include <thread>
 
 #include "core/errors.h"
@@ -53,13 +53,6 @@ class FolderLock {
  private:
   int file_ = -1;
 };
-
-/// What a run was started with, without the executable and thread count, which cannot change its result.
-std::string SettingsText(const SweepRun& run) {
-  std::string text = fmt::format("{} --seed {}", run.experiment, run.seed);
-  for (const std::string& assignment : run.assignments) text += " --set " + assignment;
-  return text + "\n";
-}
 
 std::string LabelOf(const SweepRun& run) {
   return (run.folder.parent_path().filename() / run.folder.filename()).string();
@@ -115,7 +108,7 @@ class Pool {
     // What an earlier attempt left must not be taken for this one's result.
     std::error_code error;
     fs::remove(run.folder / "summary.json", error);
-    core::WriteFileAtomically(run.folder / "settings.txt", SettingsText(run));
+    fs::create_directories(run.folder, error);
     active_.push_back(
         {&run, ChildProcess(CommandOf(run, options_), run.folder / "console.log"), Clock::now()});
   }
@@ -140,7 +133,7 @@ class Pool {
     const std::string head =
         fmt::format("[{:{}}/{}] {:<48}", done_ + 1, std::to_string(pending_.size()).size(), pending_.size(),
                     LabelOf(*active.run));
-    if (const auto summary = FinishedRun(*active.run)) {
+    if (const auto summary = FinishedRun(*active.run, options_)) {
       out_ << fmt::format("{} {:<10} c_p {:6.2f} %  {:5.1f} m  {:2.0f} scans  {}\n", head,
                           NameOf(summary->status), 100.0 * summary->coverage.value_or(0.0),
                           summary->travel_distance_m.value_or(0.0), summary->scans.value_or(0.0),
@@ -196,69 +189,41 @@ class Pool {
   double done_estimate_s_ = 0.0, done_actual_s_ = 0.0;
 };
 
-void Validate(const std::vector<SweepRun>& runs, const SweepOptions& options) {
-  if (!options.validate) return;
-  std::set<fs::path> seen;
+/// Of the finished runs, what tables take.
+std::vector<ReportedRun> LoadFinished(const std::vector<SweepRun>& runs, const SweepOptions& options) {
+  std::vector<ReportedRun> finished;
   for (const SweepRun& run : runs) {
-    if (seen.insert(run.folder.parent_path()).second) options.validate(run.experiment, run.assignments);
-  }
-}
-
-/// The variant of a run less its mapper's name.
-std::string VariantBesideMapper(const SweepRun& run, const std::string& mapper) {
-  const std::string name = "mapper.name=" + mapper;
-  const size_t at = run.variant.find(name);
-  if (at == std::string::npos) return run.variant;
-  std::string variant = run.variant;
-  return variant.erase(at > 0 ? at - 1 : at, name.size() + 1);  // and the space beside it
-}
-
-std::vector<RunWithCurve> WithCurves(const std::vector<SweepRun>& runs) {
-  std::vector<RunWithCurve> with;
-  for (const SweepRun& run : runs) {
-    const auto summary = FinishedRun(run);
-    if (!summary) continue;
+    if (!FinishedRun(run, options)) continue;
+    finished.push_back(LoadReportedRun(run.folder));
     try {
-      with.push_back({*summary, VariantBesideMapper(run, summary->mapper), LoadCoverageCurve(run.folder)});
+      finished.back().curve = LoadCoverageCurve(run.folder);
     } catch (const core::InputError&) {
       continue;  // a damaged curve costs its pair, not the table
     }
   }
-  return with;
+  return finished;
 }
 
-/// Table with mean and spread, its files, and what did not end well. Returns the exit code.
-int Conclude(const std::vector<SweepRun>& runs, const fs::path& folder, std::ostream& out) {
-  std::vector<LabelledRun> finished;
+/// The tables, their files, and what did not end well. Returns the exit code.
+int Conclude(const std::vector<SweepRun>& runs, const SweepOptions& options, const fs::path& folder,
+             std::ostream& out) {
   std::vector<std::string> bad;
   for (const SweepRun& run : runs) {
-    const auto summary = FinishedRun(run);
-    if (summary) finished.push_back({*summary, run.variant});
+    const auto summary = FinishedRun(run, options);
     if (!summary) {
-      bad.push_back(fmt::format("{}: no result ({})", LabelOf(run), (run.folder / "console.log").string()));
+      const std::string why = StandingOf(run).why;
+      bad.push_back(fmt::format("{}: no result{} ({})", LabelOf(run), why.empty() ? "" : ", " + why,
+                                (run.folder / "console.log").string()));
     } else if (ExitCodeOf(summary->status) != 0) {
       bad.push_back(
           fmt::format("{}: {} ({})", LabelOf(run), NameOf(summary->status), NameOf(summary->stop_reason)));
     }
   }
-  const std::vector<RunGroup> groups = GroupRuns(finished);
-  const TextTable table = GroupTable(groups, true);
-  std::vector<RunSummary> summaries;
-  for (const LabelledRun& run : finished) summaries.push_back(run.summary);
-  core::WriteFileAtomically(folder / "table.md", ToMarkdown(table));
-  core::WriteFileAtomically(folder / "table.csv", ToCsv(table));
-  core::WriteFileAtomically(folder / "table.tex", ToLatex(table));
-  core::WriteFileAtomically(folder / "runs.csv", ToCsv(RunsTable(summaries)));
-  core::WriteFileAtomically(folder / "statistics.csv", ToCsv(StatisticsTable(groups)));
-  if (!finished.empty()) out << "\n" << CoverageTable(groups);
-  const TextTable pairs = MapperPairsTable(WithCurves(runs));
-  fs::remove(folder / "pairs.md");
-  if (!pairs.rows.empty()) {
-    core::WriteFileAtomically(folder / "pairs.md", ToMarkdown(pairs));
-    out << "\nSE-Atlas against OctoMap, mean over pairs of runs with the same seed: difference of coverage "
-           "in points and of scans, ratio of times.\n"
-        << ToTerminal(pairs);
-  }
+  const GroupedRuns grouped = GroupRuns(LoadFinished(runs, options));
+  WriteTables(grouped, options.command, folder);
+  if (!grouped.groups.empty()) out << "\n" << CoverageTable(grouped);
+  const TextTable pairs = MapperPairsTable(grouped.groups);
+  if (!pairs.rows.empty()) out << "\n" << ToTerminal(pairs);
   if (!bad.empty()) out << fmt::format("\n{} of {} runs did not end well:\n", bad.size(), runs.size());
   for (const std::string& line : bad) out << "  " << line << "\n";
   out << fmt::format("\ntables: {}\n",
@@ -276,6 +241,7 @@ std::vector<std::string> CommandOf(const SweepRun& run, const SweepOptions& opti
                                       std::to_string(run.seed),
                                       "--threads",
                                       std::to_string(options.threads),
+                                      "--force",  // stale and broken runs are replaced
                                       "--out",
                                       run.folder.string()};
   for (const std::string& assignment : run.assignments) {
@@ -285,24 +251,31 @@ std::vector<std::string> CommandOf(const SweepRun& run, const SweepOptions& opti
   return command;
 }
 
-std::optional<RunSummary> FinishedRun(const SweepRun& run) {
-  std::error_code error;
-  if (!fs::exists(run.folder / "summary.json", error)) return std::nullopt;
-  try {
-    const RunSummary summary = LoadRunSummary(run.folder);
-    if (!IsFinal(summary.status)) return std::nullopt;
-    const fs::path settings = run.folder / "settings.txt";
-    if (fs::exists(settings, error) && core::ReadFile(settings) != SettingsText(run)) return std::nullopt;
-    return summary;
-  } catch (const core::InputError&) {
-    return std::nullopt;  // damaged: run it again
+std::vector<SweepRun> IdentifiedRuns(const SweepSpec& spec, const SweepOptions& options,
+                                     const fs::path& folder) {
+  std::vector<SweepRun> runs = ExpandSweep(spec, folder);
+  std::map<fs::path, std::shared_ptr<const RunIdentity>> known;  // seeds share one
+  for (SweepRun& run : runs) {
+    std::shared_ptr<const RunIdentity>& identity = known[run.folder.parent_path()];
+    if (!identity) {
+      identity = std::make_shared<const RunIdentity>(options.identify(run.experiment, run.assignments));
+    }
+    run.identity = identity;
   }
+  return runs;
+}
+
+std::optional<RunSummary> FinishedRun(const SweepRun& run, const SweepOptions& options) {
+  RunStanding standing = StandingOf(run);
+  const bool counts =
+      standing.state == RunState::kDone || (standing.state == RunState::kStale && options.keep_stale);
+  return counts ? std::move(standing.summary) : std::nullopt;
 }
 
 RunTimeEstimate::RunTimeEstimate(const SweepSpec& spec, const std::vector<SweepRun>& runs)
     : default_s_(spec.estimate_s) {
   for (const SweepRun& run : runs) {
-    const auto summary = FinishedRun(run);
+    const auto summary = StandingOf(run).summary;
     if (summary && summary->wall_time_s) {
       walls_.push_back({run.experiment, run.folder.parent_path(), *summary->wall_time_s});
     }
@@ -326,13 +299,14 @@ double RunTimeEstimate::SecondsFor(const SweepRun& run) const {
 
 int RunSweep(const SweepSpec& spec, const SweepOptions& options, std::ostream& out) {
   const fs::path folder = options.out.empty() ? fs::path("runs") / ("sweep_" + spec.name) : options.out;
-  const std::vector<SweepRun> runs = ExpandSweep(spec, folder);
-  Validate(runs, options);
+  const std::vector<SweepRun> runs = IdentifiedRuns(spec, options, folder);
   const FolderLock lock(folder);
 
   std::vector<SweepRun> pending;
+  std::vector<RunStanding> standings;
   for (const SweepRun& run : runs) {
-    if (!FinishedRun(run)) pending.push_back(run);
+    standings.push_back(StandingOf(run));
+    if (!FinishedRun(run, options)) pending.push_back(run);
   }
   if (options.slurm) return SubmitToSlurm(spec, pending, options, folder, out);
 
@@ -341,8 +315,9 @@ int RunSweep(const SweepSpec& spec, const SweepOptions& options, std::ostream& o
   const RunTimeEstimate estimate(spec, runs);
   double total_s = 0.0;
   for (const SweepRun& run : pending) total_s += estimate.SecondsFor(run);
-  out << fmt::format("sweep {}: {} runs, {} done already, {} at a time; estimated time {} ({})\n", spec.name,
-                     runs.size(), runs.size() - pending.size(), jobs, MinutesSeconds(total_s / jobs),
+  out << fmt::format("sweep {}: {} runs: {}{}; {} to run, {} at a time; estimated time {} ({})\n", spec.name,
+                     runs.size(), CountsText(standings), options.keep_stale ? ", stale ones kept" : "",
+                     pending.size(), jobs, MinutesSeconds(total_s / jobs),
                      estimate.measured() ? "from finished runs"
                                          : fmt::format("{:.0f} s a run assumed", spec.estimate_s))
       << std::flush;
@@ -352,7 +327,7 @@ int RunSweep(const SweepSpec& spec, const SweepOptions& options, std::ostream& o
     out << fmt::format("stopped; the same command goes on from here ({})\n", folder.string());
     return 130;
   }
-  return Conclude(runs, folder, out);
+  return Conclude(runs, options, folder, out);
 }
 
 }  // namespace atlas::experiments

@@ -8,6 +8,8 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/named_files.h"
+#include "core/safe_text.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
@@ -110,15 +112,10 @@ fs::path FileOf(const std::string& name_or_path) {
   return core::InstalledFile(fs::path(kSweepFolder) / (name_or_path + ".yaml"));
 }
 
-/// A value as part of a folder's name: anything but letters, digits, '.', '-' and '_' becomes '-'.
+/// A value as part of a folder's name; a file's is its stem.
 std::string FolderWord(const std::string& value) {
-  std::string word = fs::path(value).has_extension() && value.find('/') != std::string::npos
-                         ? fs::path(value).stem().string()
-                         : value;
-  for (char& c : word) {
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '-';
-  }
-  return word;
+  const bool is_file = fs::path(value).has_extension() && value.find('/') != std::string::npos;
+  return core::FileNameFrom(is_file ? fs::path(value).stem().string() : value);
 }
 
 }  // namespace
@@ -140,11 +137,17 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
   for (const char* key : {"experiments", "seeds"}) {
     if (!file.Has(key)) throw InputError(fmt::format("{}: '{}' is missing", file.path(), key));
   }
+  const fs::path beside = path.parent_path();
   if (file.Has("doc")) spec.doc = file.Text(file.At("doc"), "doc");
   spec.experiments = file.TextList(file.At("experiments"), "experiments");
+  for (std::string& experiment : spec.experiments) experiment = core::FileBeside(beside, experiment);
   spec.seeds = ReadSeeds(file);
   if (file.Has("set")) spec.set = file.TextList(file.At("set"), "set");
-  for (const std::string& assignment : spec.set) CheckAssignment(file, assignment);
+  for (std::string& assignment : spec.set) {
+    CheckAssignment(file, assignment);
+    const size_t equals = assignment.find('=');
+    assignment = assignment.substr(0, equals + 1) + core::FileBeside(beside, assignment.substr(equals + 1));
+  }
   if (file.Has("estimate_s"))
     spec.estimate_s = file.Number<double>(file.At("estimate_s"), "estimate_s", 0.1, 1e6);
   if (file.Has("grid")) {
@@ -152,6 +155,7 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
     for (const auto& entry : file.At("grid")) {
       const std::string key = file.Text(entry.first, "grid");
       spec.grid.emplace_back(key, file.TextList(entry.second, "grid." + key));
+      for (std::string& value : spec.grid.back().second) value = core::FileBeside(beside, value);
     }
   }
   return spec;
@@ -167,7 +171,8 @@ std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const fs::path& out) {
   std::set<fs::path> folders;
   for (const std::string& experiment : spec.experiments) {
     for (size_t combination = 0; combination < combinations; ++combination) {
-      SweepRun run{.experiment = experiment, .assignments = spec.set, .seed = 0, .variant = "", .folder = {}};
+      SweepRun run{
+          .experiment = experiment, .assignments = spec.set, .seed = 0, .identity = nullptr, .folder = {}};
       std::string folder = FolderWord(experiment);
       size_t block = combinations;
       for (const auto& [key, values] : spec.grid) {
@@ -175,9 +180,6 @@ std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const fs::path& out) {
         const std::string& value = values[combination / block % values.size()];
         run.assignments.push_back(key + "=" + value);
         folder.append("_").append(FolderWord(value));
-        if (key != "planner.gain" && key != "planner.name" && key != "planner") {
-          run.variant += fmt::format("{}{}={}", run.variant.empty() ? "" : " ", key, value);
-        }
       }
       for (const uint64_t seed : spec.seeds) {
         run.seed = seed;

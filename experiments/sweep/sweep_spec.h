@@ -1,7 +1,7 @@
 // A sweep: experiments x a grid of settings x seeds, read from YAML and expanded to runs.
 //
 //   doc: Table 3.1 of the thesis
-//   experiments: [helicopter, car]
+//   experiments: [helicopter, car] # or FILE.yaml; files are relative to this one
 //   grid:                          # every combination, in this order
 //     planner.gain: [occlusion_aware, rear_side_entropy]
 //     planner.name: [thesis, greedy]
@@ -12,9 +12,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "experiments/run_identity.h"
 
 namespace atlas::experiments {
 
@@ -39,8 +42,8 @@ struct SweepRun {
   std::string experiment;
   std::vector<std::string> assignments;  ///< "a.b=value", as for --set
   uint64_t seed = 0;
-  std::string variant;           ///< settings besides planner.gain and planner.name, for tables
-  std::filesystem::path folder;  ///< OUT/<experiment>_<value>_<value>/<seed>
+  std::shared_ptr<const RunIdentity> identity = nullptr;  ///< once identified (sweep.h)
+  std::filesystem::path folder;                           ///< OUT/<experiment>_<value>_<value>/<seed>
 };
 /// Seeds vary fastest, then the grid's last key. @throws InputError when two runs would share a folder.
 std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const std::filesystem::path& out);

@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/named_files.h"
 
 namespace atlas::experiments {
 namespace {
@@ -192,6 +193,11 @@ RunRecording LoadRecording(const std::filesystem::path& path) {
       keyframe.occupied_map.push_back(((cell.array() + 0.5) * recording.resolution_m).matrix().cast<float>());
     }
     GetView(&in, &keyframe);
+  }
+  for (std::string* name : {&recording.scene, &recording.robot}) {
+    const std::filesystem::path kept = path.parent_path() / *name;
+    std::error_code error;
+    if (core::IsFileName(*name) && std::filesystem::is_regular_file(kept, error)) *name = kept.string();
   }
   return recording;
 }

@@ -71,6 +71,7 @@ class RecordingWriter {
 
 /// A whole recording at once. @throws InputError when that fails.
 void SaveRecording(const std::filesystem::path& path, const RunRecording& recording);
+/// Scene and robot files that are kept beside the recording are named by where they lie now.
 /// @throws InputError for a file that is missing, cut short or of another kind.
 RunRecording LoadRecording(const std::filesystem::path& path);
 

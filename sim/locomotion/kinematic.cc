@@ -22,6 +22,7 @@ class Kinematic : public Locomotion {
  public:
   Kinematic(const scenes::SceneSpec& scene, const robots::RobotSpec& robot)
       : world_(scene, robot), height_m_(robot.stance_height_m) {
+    counts_.measured = false;
     p_base_ = scene.T_map_spawn.translation() + Vec3(0.0, 0.0, height_m_);
     yaw_ = core::YawOf(scene.T_map_spawn.linear());
     for (int i = 0; i < kLegs; ++i) {

@@ -20,6 +20,26 @@ TEST(Statistics, MomentsOfAKnownSample) {
   EXPECT_EQ(Describe(std::vector<double>{3.0}).stddev, 0.0);
 }
 
+TEST(Statistics, StudentTIsThatOfThePrintedTables) {
+  const std::pair<int, double> printed[] = {{1, 12.706}, {2, 4.303},  {3, 3.182},  {4, 2.776},
+                                            {9, 2.262},  {10, 2.228}, {29, 2.045}, {120, 1.980}};
+  for (const auto& [degrees, t] : printed) EXPECT_NEAR(StudentT(0.95, degrees), t, 5e-4) << degrees;
+  EXPECT_NEAR(StudentT(0.99, 4), 4.604, 5e-4);
+}
+
+TEST(Statistics, ConfidenceIntervalHoldsTheMeanInNineteenOfTwentySamples) {
+  core::Rng rng(5);
+  int held = 0;
+  constexpr int kSamples = 20000;
+  for (int i = 0; i < kSamples; ++i) {
+    std::vector<double> values(5);
+    for (double& value : values) value = 3.0 + 2.0 * rng.Normal();
+    const SampleStatistics s = Describe(values);
+    held += std::abs(s.mean - 3.0) < ConfidenceHalfWidth(s);
+  }
+  EXPECT_NEAR(static_cast<double>(held) / kSamples, 0.95, 0.006);  // four standard errors
+}
+
 TEST(Statistics, PercentileInterpolatesBetweenOrderStatistics) {
   const std::vector<double> v = {40, 10, 30, 20};
   EXPECT_DOUBLE_EQ(Percentile(v, 0.0), 10.0);

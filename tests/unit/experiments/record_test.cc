@@ -173,6 +173,27 @@ TEST_F(RecordTest, ADataSetReadsBackAsWhatWasRecorded) {
                core::InputError);
 }
 
+TEST_F(RecordTest, ADataSetKeepsWhatItIsRecordedAgainFrom) {
+  const auto record = [](const RecordOptions& options, const std::filesystem::path& folder) {
+    DatasetRecorder recorder(options);
+    WriteDataset(&recorder, folder, 0.0, [](size_t, size_t) { return true; });
+  };
+  record(options_, folder_ / "set");
+  std::filesystem::remove(folder_ / "room.yaml");
+  std::filesystem::remove(folder_ / "route.yaml");
+  options_.scene = (folder_ / "set/scene/room.yaml").string();
+  options_.route = folder_ / "set/route.yaml";
+  record(options_, folder_ / "again");
+  size_t scans = 0;
+  for (const auto& scan : std::filesystem::directory_iterator(folder_ / "set/scans")) {
+    ++scans;
+    EXPECT_TRUE(core::ReadFile(scan.path()) ==
+                core::ReadFile(folder_ / "again/scans" / scan.path().filename()));
+  }
+  EXPECT_EQ(scans, 5u);
+  EXPECT_EQ(core::ReadFile(folder_ / "again/dataset.yaml"), core::ReadFile(folder_ / "set/dataset.yaml"));
+}
+
 TEST_F(RecordTest, StoppingLeavesWholeFilesOnly) {
   DatasetRecorder recorder(options_);
   const DatasetCounts counts =

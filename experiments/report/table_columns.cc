@@ -1,0 +1,157 @@
+#include "experiments/report/table_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "experiments/report/tables.h"
+
+namespace atlas::experiments {
+namespace {
+
+/// The number of that key; null where summary.json has no such key.
+constexpr SummaryNumber NumberNamed(std::string_view name) {
+#define X(key) \
+  if (name == #key) return &RunSummary::key;
+  ATLAS_SUMMARY_NUMBERS(X)
+#undef X
+  return nullptr;
+}
+
+SampleStatistics Over(const RunGroup& group, std::string_view name) {
+  const SummaryNumber number = NumberNamed(name);
+  return number == nullptr ? SampleStatistics{} : group.Over(number);
+}
+
+std::string Interval(const RunGroup& group, std::string_view name, double scale, int decimals) {
+  return MeanWithInterval(Over(group, name),
+                          [=](double value) { return fmt::format("{:.{}f}", scale * value, decimals); });
+}
+
+std::string Mean(const RunGroup& group, std::string_view name, double scale, int decimals) {
+  const SampleStatistics s = Over(group, name);
+  return s.count == 0 ? kNotMeasured : fmt::format("{:.{}f}", scale * s.mean, decimals);
+}
+
+/// Falls and collisions are summed over seeds: one is one too many.
+std::string Total(const RunGroup& group, SummaryNumber number) {
+  double sum = 0.0;
+  bool measured = false;
+  for (const ReportedRun& run : group.runs) {
+    sum += (run.summary.*number).value_or(0.0);
+    measured = measured || run.summary.*number;
+  }
+  return measured ? fmt::format("{:.0f}", sum) : kNotMeasured;
+}
+
+std::string StatusOf(const RunGroup& group) {
+  if (group.runs.size() == 1) {
+    const RunSummary& run = group.runs[0].summary;
+    return fmt::format("{} ({})", NameOf(run.status), NameOf(run.stop_reason));
+  }
+  std::string text;
+  for (int i = 0; i <= static_cast<int>(RunStatus::kFailed); ++i) {
+    const auto status = static_cast<RunStatus>(i);
+    const int count = group.CountOf(status);
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, NameOf(status));
+  }
+  return text;
+}
+
+using Use = Column::Use;
+
+std::vector<Column> WhoRan() {
+  return {{"object", "", true, Use::kAlways, [](const RunGroup& g) { return g.object; },
+           [](const ThesisRow& t) { return fmt::format("  thesis, Table {}", t.table); }},
+          {"gain", "", true, Use::kAlways, [](const RunGroup& g) { return g.gain; },
+           [](const ThesisRow& t) { return std::string(t.gain); }},
+          {"planner", "", true, Use::kAlways, [](const RunGroup& g) { return g.Method(); }}};
+}
+
+std::vector<Column> Coverages() {
+  return {{"c_p %", "coverage, thesis Eq. 3.9 (aligned)", false, Use::kAlways,
+           [](const RunGroup& g) { return Interval(g, "coverage", 100.0, 2); },
+           [](const ThesisRow& t) { return fmt::format("{:.2f}", t.coverage_percent); }},
+          {"c_outer %", "by returns from the outer side of the surface only", false, Use::kWhereMeasured,
+           [](const RunGroup& g) { return Interval(g, "coverage_outer", 100.0, 2); }},
+          {"attainable %", "what sweeps from all reachable poses cover, noise-free", false, Use::kAlways,
+           [](const RunGroup& g) { return Mean(g, "coverage_attainable", 100.0, 1); }},
+          {"of attainable %", "", false, Use::kAlways,
+           [](const RunGroup& g) { return Interval(g, "coverage_of_attainable", 100.0, 2); }},
+          {"error mm", "of the cloud, mean distance to the true surface", false, Use::kWhereMeasured,
+           [](const RunGroup& g) { return Interval(g, "cloud_error_m_mean", 1e3, 1); }},
+          {"p95 mm", "95 % of the cloud err by less", false, Use::kWhereMeasured,
+           [](const RunGroup& g) { return Interval(g, "cloud_error_m_p95", 1e3, 1); }},
+          {"explored m3", "known volume of what can be reached", false, Use::kWhereMeasured,
+           [](const RunGroup& g) { return Interval(g, "explored_volume_m3", 1.0, 1); }},
+          {"of attainable m3 %", "", false, Use::kWhereMeasured,
+           [](const RunGroup& g) { return Interval(g, "explored_of_attainable", 100.0, 2); }}};
+}
+
+std::vector<Column> Efforts() {
+  return {
+      {"d_t m", "distance walked", false, Use::kAlways,
+       [](const RunGroup& g) { return Interval(g, "travel_distance_m", 1.0, 2); },
+       [](const ThesisRow& t) { return fmt::format("{:.2f}", t.travel_distance_m); }},
+      {"n_s", "scans", false, Use::kAlways,
+       [](const RunGroup& g) { return Interval(g, "scans", 1.0, g.runs.size() > 1 ? 1 : 0); },
+       [](const ThesisRow& t) { return fmt::format("{}", t.scans); }},
+      {"t_all", "simulated time", false, Use::kAlways,
+       [](const RunGroup& g) { return MeanWithInterval(Over(g, "sim_time_s"), MinutesSeconds); },
+       [](const ThesisRow& t) { return MinutesSeconds(t.time_s); }},
+      {"t_nbv s", "wall time a decision", false, Use::kAlways,
+       [](const RunGroup& g) { return Interval(g, "nbv_time_s_mean", 1.0, 2); },
+       [](const ThesisRow& t) { return fmt::format("{:.2f}", t.nbv_time_s); }},
+      {"RTF", "simulated over wall time", false, Use::kAlways,
+       [](const RunGroup& g) { return Interval(g, "real_time_factor", 1.0, 1); }},
+  };
+}
+
+std::vector<Column> Endings() {
+  return {
+      {"falls", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, &RunSummary::falls); }},
+      {"collisions", "", false, Use::kAlways,
+       [](const RunGroup& g) { return Total(g, &RunSummary::collisions); }},
+      {"runs", "", false, Use::kGroups, [](const RunGroup& g) { return fmt::format("{}", g.runs.size()); }},
+      {"seed", "", false, Use::kRuns,
+       [](const RunGroup& g) { return fmt::format("{}", g.runs.front().summary.seed); }},
+      {"status", "", true, Use::kAlways, StatusOf}};
+}
+
+}  // namespace
+
+std::string MeanWithInterval(const SampleStatistics& s, const std::function<std::string(double)>& text) {
+  if (s.count == 0) return kNotMeasured;
+  if (s.count == 1) return text(s.mean);
+  if (s.count == 2) return fmt::format("{} [{}, {}]", text(s.mean), text(s.min), text(s.max));
+  std::string half_width = text(ConfidenceHalfWidth(s));
+  if (half_width.starts_with('+')) half_width.erase(0, 1);  // of a difference's format
+  return fmt::format("{} ± {}", text(s.mean), half_width);
+}
+
+const std::vector<Column>& TableColumns() {
+  static const std::vector<Column> columns = [] {
+    std::vector<Column> all;
+    for (auto* part : {WhoRan, Coverages, Efforts, Endings}) {
+      for (Column& column : part()) all.push_back(std::move(column));
+    }
+    return all;
+  }();
+  return columns;
+}
+
+const std::vector<std::pair<std::string_view, std::string RunSummary::*>>& SummaryWords() {
+  static const std::vector<std::pair<std::string_view, std::string RunSummary::*>> words = {
+#define X(key) {#key, &RunSummary::key},
+      ATLAS_SUMMARY_TEXT(X) ATLAS_SUMMARY_TEXT_MORE(X)
+#undef X
+  };
+  return words;
+}
+
+bool IsColumnOrHash(std::string_view word) {
+  return word == "experiment" || word == "scene" || word == "planner" || word == "gain" ||
+         word.ends_with("_hash");
+}
+
+}  // namespace atlas::experiments
