@@ -133,6 +133,11 @@ class LoadVisitor : public ParamVisitor {
     }
     AddRow(name, fmt::format("[{}]", fmt::join(*value, ", ")), info);
   }
+  void Absent(const std::string& name, const std::string& here) override {
+    if (const Entry* entry = Find(name)) {
+      throw InputError(fmt::format("{}: {}: no parameter of {}", entry->origin, Path(name), here));
+    }
+  }
 
  protected:
   void Enter(const std::string& name) override {
@@ -300,6 +305,21 @@ void ParamSource::MergeAssignment(const std::string& assignment) {
     path.resize(dot);
   }
   Merge(&impl_->root, std::move(entry));
+}
+
+std::optional<std::string> ParamSource::TextAt(const std::string& section, const std::string& key) const {
+  const auto found = impl_->root.children.find(section);
+  if (found == impl_->root.children.end()) return std::nullopt;
+  const Entry* entry = &found->second;
+  if (entry->kind == Entry::Kind::kMap) {
+    const auto child = entry->children.find(key);
+    if (child == entry->children.end()) return std::nullopt;
+    entry = &child->second;
+  } else if (key != "name") {
+    return std::nullopt;
+  }
+  if (entry->kind != Entry::Kind::kScalar || entry->scalar.empty()) return std::nullopt;
+  return entry->scalar;
 }
 
 std::vector<ParamRow> ParamSource::LoadWith(void (*call)(void*, ParamVisitor&), void* context) const {

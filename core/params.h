@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ class ParamVisitor {
   virtual void Field(const std::string& name, bool* value, const ParamInfo& info) = 0;
   virtual void Field(const std::string& name, std::string* value, const ParamInfo& info) = 0;
   virtual void Field(const std::string& name, std::vector<std::string>* value, const ParamInfo& info) = 0;
+  /// A parameter of other kinds, without effect here; `here` tells where, for the message to who sets it.
+  virtual void Absent(const std::string& /*name*/, const std::string& /*here*/) {}
 
   template <typename Params>
   void Section(const std::string& name, Params* params) {
@@ -50,6 +53,27 @@ class ParamVisitor {
  protected:
   virtual void Enter(const std::string& name) = 0;
   virtual void Leave() = 0;
+};
+
+/// Visits the fields of other kinds: none is loaded or listed, and setting one is refused in one line that
+/// names `here`, as "mapper.name = se_atlas". Of structs without sections.
+class AbsentFields : public ParamVisitor {
+ public:
+  AbsentFields(ParamVisitor* visitor, std::string here) : visitor_(visitor), here_(std::move(here)) {}
+  void Field(const std::string& name, double*, const ParamInfo&) override { Absent(name, here_); }
+  void Field(const std::string& name, int*, const ParamInfo&) override { Absent(name, here_); }
+  void Field(const std::string& name, bool*, const ParamInfo&) override { Absent(name, here_); }
+  void Field(const std::string& name, std::string*, const ParamInfo&) override { Absent(name, here_); }
+  void Field(const std::string& name, std::vector<std::string>*, const ParamInfo&) override {
+    Absent(name, here_);
+  }
+  void Absent(const std::string& name, const std::string& here) override { visitor_->Absent(name, here); }
+
+ private:
+  void Enter(const std::string&) override {}
+  void Leave() override {}
+  ParamVisitor* visitor_;
+  std::string here_;
 };
 
 /// One explained parameter: what `atlas explain` prints a row of.
@@ -76,6 +100,10 @@ class ParamSource {
   void MergeFile(const std::filesystem::path& path, const std::filesystem::path& fallback_dir);
   /// Merges "a.b.c=value" from the command line. @throws InputError when it is not of that form.
   void MergeAssignment(const std::string& assignment);
+
+  /// The text that the layers give "section.key", if any: for defaults that depend on it. A bare scalar for a
+  /// section is its name.
+  std::optional<std::string> TextAt(const std::string& section, const std::string& key) const;
 
   /// Fills `params` from the layers. @throws InputError for an unknown key (suggesting the near one), a wrong
   /// type or a value out of range, naming origin, key, value and limit.

@@ -34,7 +34,7 @@ struct Mission {
         film(config, options),
         metrics(config, options, scene, robot),
         simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
-        mapper(mapping::MakeMapper(config.mapper, scene.object_box, SensorModel().lidar)),
+        mapper(mapping::MakeMapper(config.mapper, scene.object_box, Lidar())),
         terrain(config.planner.terrain, robot),
         feed(
             {.cloud_spacing_m = config.mapper.downsample_m}, &terrain, mapper.get(),
@@ -43,8 +43,8 @@ struct Mission {
               returns_map.insert(returns_map.end(), cloud.points.begin(), cloud.points.end());
             },
             &lanes),
-        planner(planner::MakeNbvPlanner(config.planner, robot, SensorModel(), scene.object_box,
-                                        options.threads, rng.Split("planner"))),
+        planner(planner::MakeNbvPlanner(config.planner, RobotModel(), scene.object_box, options.threads,
+                                        rng.Split("planner"))),
         surface(scene.object_box, config.mapper.resolution_m),
         lanes(kTaskLanes, options.threads > 1) {
     terrain.InitialiseUnderRobot(T_map_base());
@@ -60,12 +60,19 @@ struct Mission {
     return params;
   }
 
-  planner::SweepSensorModel SensorModel() const {
+  core::LidarModel Lidar() const {
     const std::string& name = config.sim.sensors.lidar;
-    return {.lidar = core::FindLidarModel(name == "robot" ? robot.lidar_model : name),
-            .T_base_lidar = robot.T_base_lidar,
-            .base_height_m = robot.stance_height_m,
-            .roll_rad = core::Radians(config.sim.locomotion.sweep_roll_deg)};
+    return core::FindLidarModel(name == "robot" ? robot.lidar_model : name);
+  }
+
+  /// The simulation's own profile of the roll, period and speed.
+  planner::RobotModel RobotModel() const {
+    const sim::LocomotionParams& motion = config.sim.locomotion;
+    return {.sensor = {.lidar = Lidar(),
+                       .T_base_lidar = robot.T_base_lidar,
+                       .base_height_m = robot.stance_height_m,
+                       .roll = {core::Radians(motion.sweep_roll_deg), motion.sweep_period_s}},
+            .speed_mps = motion.speed_mps};
   }
 
   Pose T_map_base() const { return simulator->T_map_odom() * simulator->T_odom_base(); }

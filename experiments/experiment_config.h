@@ -54,6 +54,8 @@ struct ExperimentConfig {
 
 /// Loads `experiments/configs/NAME.yaml`, or a file of the user's, with `--set` assignments over it. Scene
 /// and robot files are relative to the YAML that names them, those of assignments to the working directory.
+/// Defaults are those of the planner that these name; `thesis` also brings OctoMap without void rays unless
+/// they name a mapper, and maps its sweeps alone.
 /// @throws InputError for an unknown experiment, key or value.
 ExperimentConfig LoadExperiment(const std::string& name_or_path, const std::vector<std::string>& assignments);
 

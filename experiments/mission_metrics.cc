@@ -1,17 +1,25 @@
 #include "experiments/mission_metrics.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/resource.h>
 
 #include "core/files.h"
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"
 #include "experiments/run_identity.h"
+#include "experiments/thesis_deviations.h"
 
 namespace atlas::experiments {
 namespace {
 
 constexpr double kPoseLogRateHz = 10.0;
+
+/// What a view is worth to the planner, where the gain alone does not say it.
+std::string WorthOf(const planner::NbvParams& params) {
+  if (params.name == "thesis" || params.gain_share >= 1.0) return "";
+  return fmt::format("surface_frontier x {} ({:.0f} %)", params.gain, 100.0 * params.gain_share);
+}
 
 RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) {
   const RunIdentity identity = IdentityOf(config);
@@ -24,6 +32,8 @@ RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) 
   s.mapper = config.mapper.name;
   s.planner = config.planner.name;
   s.gain = config.planner.gain;
+  s.worth = WorthOf(config.planner);
+  s.deviations = fmt::format("{}", fmt::join(DeviationsFromThesis(config), "; "));
   s.version = ATLAS_VERSION;
   s.commit = identity.commit;
   s.config_hash = identity.config_hash;

@@ -1,35 +1,55 @@
 #include "mapping/mapper.h"
 
 #include "core/errors.h"
+#include "mapping/backends/dense_grid_mapper.h"
 #include "mapping/backends/octomap_mapper.h"
 #include "mapping/backends/se_atlas_mapper.h"
 
 namespace atlas::mapping {
 
+namespace {
+
+/// OctoMap's inverse sensor model (Hornung et al. 2013).
+void VisitUpdateRule(MapperParams* p, core::ParamVisitor& v) {
+  v.Field("hit_probability", &p->hit_probability, {.min = 0.51, .max = 0.99, .doc = "P(occupied | hit)"});
+  v.Field("miss_probability", &p->miss_probability, {.min = 0.01, .max = 0.49, .doc = "P(occupied | miss)"});
+  v.Field("clamp_min", &p->clamp_min, {.min = 0.0001, .max = 0.19, .doc = "lowest probability kept"});
+  v.Field("clamp_max", &p->clamp_max, {.min = 0.81, .max = 0.9999, .doc = "highest probability kept"});
+}
+
+}  // namespace
+
+IntegratorParams MapperParams::SweepDefaults() {
+  IntegratorParams integrator;
+  integrator.max_range_m = 20.0;
+  // From near by, what is held without a return is cleared sooner than from afar.
+  integrator.near_nats = 0.2;
+  // Beams that skim a surface return far apart: what lies between is left for another view.
+  integrator.skim_cosine = 0.5;
+  // Behind a surface that ends, evidence would hide what the next view is to find: behind_min_voxels alone.
+  integrator.behind_max_m = 0.0;
+  return integrator;
+}
+
 void MapperParams::Visit(core::ParamVisitor& v) {
   std::vector<std::string> names;
   for (const CatalogEntry& entry : Catalog()) names.push_back(entry.name);
   v.Field("name", &name, {.choices = names, .doc = "backend that holds the map"});
-  v.Field("resolution_m", &resolution_m,
-          {.unit = "m", .min = 0.02, .max = 0.5, .doc = "edge of the smallest voxel"});
+  VisitResolution(&resolution_m, v);
   v.Field("region_margin_m", &region_margin_m,
           {.unit = "m", .min = 0.1, .max = 5.0, .doc = "the map is kept in the object box grown by this"});
-  v.Field("max_range_m", &max_range_m,
-          {.unit = "m", .min = 1.0, .max = 200.0, .doc = "longer returns are free evidence up to here"});
-  v.Field(
-      "void_rays", &void_rays,
-      {.choices = {"clear", "ignore"}, .doc = "rays without return: free space, or nothing (thesis 3.4.2)"});
-  v.Field("void_range_m", &void_range_m,
-          {.unit = "m", .min = 0.0, .max = 200.0, .doc = "a ray without return is trusted as free this far"});
   v.Field(
       "downsample_m", &downsample_m,
       {.unit = "m", .min = 0.001, .max = 0.02, .doc = "sweep filter: at most one point a cell of this size"});
-  v.Field("hit_probability", &hit_probability, {.min = 0.51, .max = 0.99, .doc = "P(occupied | hit)"});
-  v.Field("miss_probability", &miss_probability, {.min = 0.01, .max = 0.49, .doc = "P(occupied | miss)"});
-  v.Field("clamp_min", &clamp_min, {.min = 0.0001, .max = 0.19, .doc = "lowest probability kept"});
-  v.Field("clamp_max", &clamp_max, {.min = 0.81, .max = 0.9999, .doc = "highest probability kept"});
   v.Field("behind_surface_m", &behind_surface_m,
           {.unit = "m", .min = 0.05, .max = 1.0, .doc = "d_occ of the proximity count gain"});
+  integrator.VisitRays(v);
+  core::AbsentFields absent(&v, "mapper.name = " + name);
+  core::ParamVisitor& none = absent;
+  const bool octree = name == "se_atlas";
+  VisitUpdateRule(this, octree ? none : v);
+  integrator.VisitFilling(octree ? v : none);
+  integrator.VisitOccupancy(octree ? v : none);
 }
 
 const std::vector<CatalogEntry>& Catalog() {

@@ -11,24 +11,29 @@
 #include "core/mesh.h"
 #include "core/params.h"
 #include "core/sensor_events.h"
+#include "mapping/integrator/integrator.h"
 #include "mapping/occupancy_view.h"
 
 namespace atlas::mapping {
 
+/// Those that a backend has no use for are not shown with it, and refused.
 struct MapperParams {
   std::string name = "se_atlas";
   double resolution_m = 0.05;
-  double region_margin_m = 0.2;     ///< the map is kept in the object box grown by this
-  double max_range_m = 20.0;        ///< longer returns count as misses along the trusted part of the ray
-  std::string void_rays = "clear";  ///< clear (free to void_range_m) | ignore (the thesis's filtered clouds)
-  double void_range_m = 20.0;       ///< a void ray is trusted this far
-  double downsample_m = 0.015;      ///< filter: at most one point a cell of this size
+  double region_margin_m = 0.2;  ///< the map is kept in the object box grown by this
+  double downsample_m = 0.015;   ///< filter: at most one point a cell of this size
+  // octomap, dense_grid:
   double hit_probability = 0.7;
   double miss_probability = 0.4;
   double clamp_min = 0.12;
   double clamp_max = 0.97;
   double behind_surface_m = 0.3;  ///< d_occ of the proximity count gain
+  /// What rays say, for all; the rest is se_atlas's. Sweeps come from near by, and so the defaults are others
+  /// than those of `atlas map`.
+  IntegratorParams integrator = SweepDefaults();
   void Visit(core::ParamVisitor& v);
+
+  static IntegratorParams SweepDefaults();
 };
 
 class Mapper {
@@ -36,7 +41,8 @@ class Mapper {
   virtual ~Mapper() = default;
   /// Integrates one sweep, spin by spin. Returns its filtered cloud in the map frame (thesis 3.3).
   virtual core::PointCloud Integrate(const core::Sweep& sweep) = 0;
-  /// Up to date with the last Integrate(). Queries on it and MapBytes() may run side by side.
+  /// Up to date with the last Integrate(). Between two calls of Integrate(), view(), queries on it and
+  /// MapBytes() may be called by several threads at a time.
   virtual const OccupancyView& view() const = 0;
   virtual size_t MapBytes() const = 0;
   /// Writes the map in the backend's own format; returns the file's name.

@@ -10,17 +10,25 @@ namespace atlas::mapping {
 
 enum class CellState : uint8_t { kUnknown, kFree, kOccupied };
 
-/// Occupied where p > 0.8, free where p < 0.2, unknown between (PLANNERS.md).
+/// OctoMap's classes as the gains of Isler et al. (2016) take them: occupied where p > 0.8, free where
+/// p < 0.2, unknown between. A map whose evidence counts otherwise has bounds of its own (SE-Atlas: a scan's
+/// miss is free, thesis 4.5.2); what a voxel counts as is its state, how sure that is its probability.
 constexpr double kOccupiedProbability = 0.8;
 constexpr double kFreeProbability = 0.2;
+constexpr CellState StateOf(float p) {
+  return p > static_cast<float>(kOccupiedProbability) ? CellState::kOccupied
+         : p < static_cast<float>(kFreeProbability)   ? CellState::kFree
+                                                      : CellState::kUnknown;
+}
 
 /// One voxel on a ray, or a run of free voxels of one occupancy, which stands for as many samples.
 struct RaySample {
-  float occupancy = 0.5f;       ///< probability; 0.5 where never measured
+  float occupancy = 0.5f;       ///< probability, from the log-odds that the map holds; 0.5: never measured
   float length_m = 0.0f;        ///< of the ray inside the voxel, or all along the run
   uint64_t key = 0;             ///< the same for the same voxel on any ray; of a run, its first voxel's
   float behind_surface = 0.0f;  ///< D - delta of the proximity count gain, in voxels; 0 where not stored
-  uint32_t voxels = 1;          ///< more than one only where occupancy < kFreeProbability
+  uint32_t voxels = 1;          ///< more than one only where free
+  CellState state = StateOf(occupancy);
 };
 
 enum class RayEnd : uint8_t {

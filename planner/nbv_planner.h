@@ -25,7 +25,7 @@ struct NbvParams {
   double gain_share = 0.3;
   std::vector<std::string> extra_gains;  ///< also computed and logged for every candidate, from the same rays
   int nodes = 150;
-  double window_m = 16.0;  ///< side of the square about the robot that planning uses (thesis: 12)
+  double window_m = 16.0;  ///< side of the square about the robot that views are sought in (thesis: 12)
   /// Greedy: places found walkable by earlier plans stay candidates beyond the window.
   bool roadmap = true;
   double lattice_m = 0.5;  ///< greedy: spacing of the places considered
@@ -52,13 +52,18 @@ struct NbvParams {
   double behind_penalty = 0.2;           ///< constant traversal cost for candidates behind the robot
   std::string traversal = "continuous";  ///< discrete (thesis) | continuous (time, slope, roughness, turning)
   double time_scale_s = 60.0;            ///< continuous: travel of this long costs 1 - 1/e
-  // Termination, Eq. 3.8 made scale-free.
-  double stop_ratio = 0.025;    ///< of the greatest utility so far, mean over stop_rounds
-  int stop_rounds = 4;          ///< rounds that count
-  double flat_share = 0.012;    ///< a sweep that adds less of all surface seen so far counts as flat
-  int flat_rounds = 5;          ///< flat sweeps in a row that stop whatever views promise
-  double commit_margin = 0.15;  ///< hysteresis: a commitment stays unless another is this much better
-  int blacklist_after = 2;      ///< views that gained nothing here so often are dropped
+  /// thesis: u_thres of Eq. 3.8, nats over all rays of a sweep. The thesis gives no value. Occlusion aware
+  /// never comes near it: void rays keep their unknown voxels, and known free space is worth more than
+  /// unknown.
+  double stop_utility = 0.0;
+  // greedy: Eq. 3.8 made scale-free.
+  double stop_ratio = 0.025;  ///< of the greatest utility so far, mean over stop_rounds
+  int stop_rounds = 4;        ///< rounds that count
+  double flat_share = 0.012;  ///< a sweep that adds less of all surface seen so far counts as flat
+  int flat_rounds = 5;        ///< flat sweeps in a row that stop whatever views promise
+  double commit_margin =
+      0.15;                 ///< hysteresis: a commitment stays unless another is this much better; 0: none
+  int blacklist_after = 2;  ///< views that gained nothing here so often are dropped; 0: never
   int rrt_star_iterations = 800;
   TerrainParams terrain;
   void Visit(core::ParamVisitor& v);
@@ -116,13 +121,18 @@ struct PlannerEntry {
 };
 const std::vector<PlannerEntry>& PlannerCatalog();
 
-/// The planner's own defaults: `thesis` decides by occlusion aware with the discrete traversal cost, `greedy`
-/// is what a default NbvParams holds. @throws InputError for an unknown name.
+/// The planner's own defaults: `thesis` decides as the thesis's does (3.4, 3.5), `greedy` is what a default
+/// NbvParams holds. @throws InputError for an unknown name.
 NbvParams DefaultParams(const std::string& name);
 
+/// What the planner expects of the robot.
+struct RobotModel {
+  SweepSensorModel sensor;
+  double speed_mps = 0.5;  ///< on flat smooth ground
+};
+
 /// @throws InputError for an unknown planner or gain.
-std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const robots::RobotSpec& robot,
-                                           const SweepSensorModel& sensor, const core::Box3& object_box,
-                                           int threads, const core::Rng& rng);
+std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const RobotModel& robot,
+                                           const core::Box3& object_box, int threads, const core::Rng& rng);
 
 }  // namespace atlas::planner

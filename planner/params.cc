@@ -27,7 +27,7 @@ void VisitCosts(core::ParamVisitor& v, NbvParams* p) {
           {.unit = "s", .min = 1.0, .max = 1e6, .doc = "continuous: a way of this long costs 1 - 1/e"});
 }
 
-void VisitUnvisited(core::ParamVisitor& v, NbvParams* p) {
+void VisitMemory(core::ParamVisitor& v, NbvParams* p) {
   v.Field("unvisited_m2", &p->unvisited_m2,
           {.unit = "m^2",
            .min = 0.0,
@@ -40,9 +40,26 @@ void VisitUnvisited(core::ParamVisitor& v, NbvParams* p) {
            .min = 0.0,
            .max = 100.0,
            .doc = "views about this near to one that brought nothing are worth less; 0: no less"});
+  v.Field("commit_margin", &p->commit_margin,
+          {.min = 0.0, .max = 10.0, .doc = "a commitment stays unless another view is this much better"});
+  v.Field("blacklist_after", &p->blacklist_after,
+          {.min = 0,
+           .max = 100,
+           .doc = "views here that brought nothing, before the place is dropped; 0: never"});
 }
 
-void VisitTermination(core::ParamVisitor& v, NbvParams* p) {
+/// Eq. 3.8.
+void VisitThreshold(core::ParamVisitor& v, NbvParams* p) {
+  v.Field("stop_utility", &p->stop_utility,
+          {.unit = "nats",
+           .min = 0.0,
+           .max = 1e9,
+           .doc = "u_thres of Eq. 3.8: stop where no view's utility reaches this; occlusion aware never "
+                  "falls so low"});
+}
+
+/// Eq. 3.8 made scale-free.
+void VisitRatio(core::ParamVisitor& v, NbvParams* p) {
   v.Field(
       "stop_ratio", &p->stop_ratio,
       {.min = 0.0,
@@ -57,37 +74,38 @@ void VisitTermination(core::ParamVisitor& v, NbvParams* p) {
       {.min = 0.0, .max = 1.0, .doc = "a sweep that adds less of the surface seen so far counts as flat"});
   v.Field("flat_rounds", &p->flat_rounds,
           {.min = 1, .max = 100, .doc = "flat sweeps in a row that stop the mission whatever views promise"});
-  v.Field("commit_margin", &p->commit_margin,
-          {.min = 0.0, .max = 10.0, .doc = "a commitment stays unless another view is this much better"});
-  v.Field("blacklist_after", &p->blacklist_after,
-          {.min = 1, .max = 100, .doc = "views here that brought nothing, before the place is dropped"});
+}
+
+/// How greedy picks places and values views.
+void VisitLattice(core::ParamVisitor& v, NbvParams* p) {
+  v.Field("gain_share", &p->gain_share,
+          {.min = 0.0,
+           .max = 1.0,
+           .doc = "how far the gain modulates the surface that a view uncovers; 1: gain alone"});
+  v.Field("roadmap", &p->roadmap,
+          {.doc = "places that earlier plans found walkable stay candidates beyond the window"});
+  v.Field("lattice_m", &p->lattice_m,
+          {.unit = "m", .min = 0.1, .max = 5.0, .doc = "spacing of the places considered"});
+  v.Field("passages", &p->passages,
+          {.choices = {"lattice", "centred"},
+           .doc = "through doorways: steps of the lattice that happen to fit, or their middle"});
 }
 
 }  // namespace
 
 void NbvParams::Visit(core::ParamVisitor& v) {
   v.Field("name", &name,
-          {.choices = PlannerNames(), .doc = "thesis: the faithful set; greedy: the improved one"});
+          {.choices = PlannerNames(), .doc = "thesis: as thesis 3.4, 3.5; greedy: the improved one"});
   v.Field("gain", &gain, {.choices = GainNames(), .doc = "information gain that decides"});
   v.Field("extra_gains", &extra_gains,
           {.choices = GainNames(), .doc = "also computed from the same rays and logged for every candidate"});
-  v.Field("gain_share", &gain_share,
-          {.min = 0.0,
-           .max = 1.0,
-           .doc = "how far the gain modulates the surface that a view uncovers; 1: gain alone"});
   v.Field("nodes", &nodes, {.min = 1, .max = 10000, .doc = "places where views are evaluated (thesis: 150)"});
   v.Field("window_m", &window_m,
           {.unit = "m",
            .min = 2.0,
            .max = 100.0,
-           .doc = "side of the square around the robot that planning may use"});
-  v.Field("roadmap", &roadmap,
-          {.doc = "greedy: places that earlier plans found walkable stay candidates beyond the window"});
-  v.Field("lattice_m", &lattice_m,
-          {.unit = "m", .min = 0.1, .max = 5.0, .doc = "greedy: spacing of the places considered"});
-  v.Field("passages", &passages,
-          {.choices = {"lattice", "centred"},
-           .doc = "greedy, through doorways: steps of the lattice that happen to fit, or their middle"});
+           .doc = "side of the square about the robot that views are sought in; what the elevation map does "
+                  "not hold is not"});
   v.Field("rrt_step_m", &rrt_step_m, {.unit = "m", .min = 0.1, .max = 5.0, .doc = "longest edge of the RRT"});
   v.Field("headings", &headings, {.min = 1, .max = 64, .doc = "headings evaluated at every place"});
   v.Field("rays", &rays,
@@ -95,8 +113,13 @@ void NbvParams::Visit(core::ParamVisitor& v) {
   v.Field("max_range_m", &max_range_m,
           {.unit = "m", .min = 1.0, .max = 200.0, .doc = "range to which views are predicted"});
   VisitCosts(v, this);
-  VisitUnvisited(v, this);
-  VisitTermination(v, this);
+  VisitMemory(v, this);
+  core::AbsentFields absent(&v, "planner.name = " + name);
+  core::ParamVisitor& none = absent;
+  const bool thesis = name == "thesis";
+  VisitLattice(thesis ? none : v, this);
+  VisitThreshold(thesis ? v : none, this);
+  VisitRatio(thesis ? none : v, this);
   v.Field("rrt_star_iterations", &rrt_star_iterations,
           {.min = 0, .max = 100000, .doc = "iterations of RRT* on the way to the view"});
   v.Section("terrain", &terrain);

@@ -184,11 +184,23 @@ void CheckObject(const YamlFields& fields, const SceneSpec& scene) {
   if (!inside) fields.Fail("object_box", "holds no part of the object");
 }
 
+/// Of a space the robot sees the inside.
+void CheckInside(const YamlFields& fields, const SceneSpec& scene) {
+  const Vec3 p = scene.T_map_spawn.translation();
+  const core::Box3& box = scene.object_box;
+  if ((p.head<2>().array() > box.min.head<2>().array()).all() &&
+      (p.head<2>().array() < box.max.head<2>().array()).all()) {
+    return;
+  }
+  fields.Fail("object_box",
+              fmt::format("({}, {}), where the robot starts, lies outside of the space", p.x(), p.y()));
+}
+
 }  // namespace
 
 SceneSpec LoadSceneFile(const std::filesystem::path& path) {
   const YamlFields fields = YamlFields::FromFile(path);
-  fields.AllowOnly({"name", "doc", "spawn", "object_box", "ground", "parts"});
+  fields.AllowOnly({"name", "doc", "spawn", "object_box", "space", "ground", "parts"});
   SceneSpec scene;
   scene.name = fields.Text("name", path.stem().string());
   scene.doc = fields.Text("doc", "scene of " + path.filename().string());
@@ -198,6 +210,7 @@ SceneSpec LoadSceneFile(const std::filesystem::path& path) {
   scene.T_map_spawn = core::PoseFromXyzYaw(Vec3(spawn.Number("x"), spawn.Number("y"), 0.0),
                                            core::Radians(spawn.Number("yaw_deg", 0.0)));
   scene.object_box = ReadBox(fields.Child("object_box"));
+  scene.is_space = fields.Flag("space", false);
 
   scene.parts.push_back(ReadGround(fields));
   const core::Box3 ground = scene.parts.front().mesh.Bounds();
@@ -208,6 +221,7 @@ SceneSpec LoadSceneFile(const std::filesystem::path& path) {
     scene.bounds.Extend(box.max);
   }
   CheckSpawn(spawn, scene, ground);
+  if (scene.is_space) CheckInside(fields, scene);
   CheckObject(fields, scene);
   return scene;
 }

@@ -53,13 +53,17 @@ double CloudSpacing(const OfflineMapParams& params) {
 void OfflineMapParams::Visit(core::ParamVisitor& v) {
   v.Field("field", &field,
           {.choices = {"occupancy", "tsdf"}, .doc = "what a voxel holds: log-odds or a signed distance"});
-  v.Field("resolution_m", &resolution_m,
-          {.unit = "m", .min = 0.005, .max = 2.0, .doc = "edge of the smallest voxel"});
+  mapping::VisitResolution(&resolution_m, v);
   v.Field("local_radius_m", &local_radius_m,
           {.unit = "m", .min = 0.0, .max = 1000.0, .doc = "rolling map cropped to this; 0: keep all"});
   v.Field("cloud_spacing_m", &cloud_spacing_m,
           {.unit = "m", .min = 0.0, .max = 10.0, .doc = "one cloud point a cell of this; 0: resolution"});
-  integrator.Visit(v);
+  core::AbsentFields absent(&v, "mapper.field = " + field);
+  const bool tsdf = field == TsdfField::kName;
+  integrator.VisitRays(v);
+  integrator.VisitFilling(v);
+  integrator.VisitOccupancy(tsdf ? static_cast<core::ParamVisitor&>(absent) : v);
+  integrator.VisitTsdf(tsdf ? v : absent);
 }
 
 void CloudBuilder::Add(const core::SpinEvent& spin, const core::Pose& T_map_odom) {

@@ -22,7 +22,7 @@ std::vector<uint8_t> AttainableFor(const ExperimentConfig& config, const RunOpti
   const core::LidarModel lidar = LidarOf(config, robot);
   AttainableOptions attainable;
   attainable.radius_m = config.mission.coverage_radius_m;
-  attainable.max_range_m = config.mapper.max_range_m;
+  attainable.max_range_m = config.mapper.integrator.max_range_m;
   attainable.sweep_roll_deg = config.sim.locomotion.sweep_roll_deg;
   attainable.sweep_period_s = config.sim.locomotion.sweep_period_s;
   attainable.threads = options.threads;
@@ -39,7 +39,7 @@ std::unique_ptr<ExploredVolume> ExploredVolumeFor(const ExperimentConfig& config
                                                   const robots::RobotSpec& robot) {
   if (!scene.is_space) return nullptr;
   VolumeOptions volume;
-  volume.max_range_m = config.mapper.max_range_m;
+  volume.max_range_m = config.mapper.integrator.max_range_m;
   volume.sweep_roll_deg = config.sim.locomotion.sweep_roll_deg;
   volume.threads = options.threads;
   return std::make_unique<ExploredVolume>(

@@ -37,7 +37,7 @@ int ExitCodeOf(RunStatus status);
 // Keys of summary.json in order: text, then numbers. A key without a value is left out.
 // clang-format off
 #define ATLAS_SUMMARY_TEXT(X) X(experiment) X(scene) X(robot) X(locomotion) X(odometry) X(mapper) X(planner) X(gain)
-#define ATLAS_SUMMARY_TEXT_MORE(X) X(version) X(commit) X(config_hash) X(scene_hash) X(robot_hash) X(render_backend)
+#define ATLAS_SUMMARY_TEXT_MORE(X) X(worth) X(deviations) X(version) X(commit) X(config_hash) X(scene_hash) X(robot_hash) X(render_backend)
 #define ATLAS_SUMMARY_NUMBERS(X)                                                                           \
   X(coverage) X(coverage_raw) X(coverage_attainable) X(coverage_of_attainable)                             \
   X(travel_distance_m) X(scans) X(sim_time_s) X(wall_time_s) X(real_time_factor)                           \
@@ -48,8 +48,10 @@ int ExitCodeOf(RunStatus status);
   X(explored_volume_m3) X(explored_volume_attainable_m3) X(explored_of_attainable)
 // clang-format on
 
-/// SI units; shares in [0, 1]. t50_s, t90_s, t95_s: simulated time at which coverage_of_attainable reached
-/// 0.50, 0.90 and 0.95. Numbers that count (scans, bytes, falls) are written as integers.
+/// `gain` is the information gain that the planner was given; `worth`, where that alone does not decide, says
+/// what does; `deviations` (joined by "; ") where a run of the thesis's planner does otherwise than the
+/// thesis. SI units; shares in [0, 1]. t50_s, t90_s, t95_s: simulated time at which coverage_of_attainable
+/// reached 0.50, 0.90 and 0.95. Numbers that count (scans, bytes, falls) are written as integers.
 struct RunSummary {
 #define X(key) std::string key;
   ATLAS_SUMMARY_TEXT(X)

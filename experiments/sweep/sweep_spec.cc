@@ -30,7 +30,8 @@ class SweepFile {
       throw InputError(fmt::format("{}:{}: {}", path_, error.mark.line + 1, error.msg));
     }
     if (!root_.IsMap()) throw InputError(path_ + ": expected keys such as 'experiments' and 'seeds'");
-    const std::vector<std::string> known = {"doc", "experiments", "grid", "seeds", "set", "estimate_s"};
+    const std::vector<std::string> known = {"doc",      "experiments", "grid",      "seeds",
+                                            "variants", "set",         "estimate_s"};
     for (const auto& entry : root_) {
       const std::string key = entry.first.as<std::string>();
       if (std::count(known.begin(), known.end(), key) == 0)
@@ -94,11 +95,18 @@ std::vector<uint64_t> ReadSeeds(const SweepFile& file) {
   return seeds;
 }
 
-void CheckAssignment(const SweepFile& file, const std::string& text) {
-  const size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) {
-    file.Fail(file.At("set"), fmt::format("set: expected a.b=value, found '{}'", text));
+/// A list of "a.b=value".
+std::vector<std::string> ReadAssignments(const SweepFile& file, const YAML::Node& node,
+                                         const std::string& field) {
+  const fs::path beside = fs::path(file.path()).parent_path();
+  std::vector<std::string> list = file.TextList(node, field);
+  for (std::string& text : list) {
+    const size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      file.Fail(node, fmt::format("{}: expected a.b=value, found '{}'", field, text));
+    text = text.substr(0, equals + 1) + core::FileBeside(beside, text.substr(equals + 1));
   }
+  return list;
 }
 
 fs::path FileOf(const std::string& name_or_path) {
@@ -142,12 +150,7 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
   spec.experiments = file.TextList(file.At("experiments"), "experiments");
   for (std::string& experiment : spec.experiments) experiment = core::FileBeside(beside, experiment);
   spec.seeds = ReadSeeds(file);
-  if (file.Has("set")) spec.set = file.TextList(file.At("set"), "set");
-  for (std::string& assignment : spec.set) {
-    CheckAssignment(file, assignment);
-    const size_t equals = assignment.find('=');
-    assignment = assignment.substr(0, equals + 1) + core::FileBeside(beside, assignment.substr(equals + 1));
-  }
+  if (file.Has("set")) spec.set = ReadAssignments(file, file.At("set"), "set");
   if (file.Has("estimate_s"))
     spec.estimate_s = file.Number<double>(file.At("estimate_s"), "estimate_s", 0.1, 1e6);
   if (file.Has("grid")) {
@@ -158,12 +161,22 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
       for (std::string& value : spec.grid.back().second) value = core::FileBeside(beside, value);
     }
   }
+  if (file.Has("variants")) {
+    if (!file.At("variants").IsMap())
+      file.Fail(file.At("variants"), "variants: expected name: [a.b=value, ...]");
+    for (const auto& entry : file.At("variants")) {
+      const std::string name = file.Text(entry.first, "variants");
+      spec.variants.emplace_back(name, ReadAssignments(file, entry.second, "variants." + name));
+    }
+  }
   return spec;
 }
 
 std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const fs::path& out) {
   size_t combinations = 1;
   for (const auto& [key, values] : spec.grid) combinations *= values.size();
+  const size_t variants = std::max<size_t>(1, spec.variants.size());
+  combinations *= variants;
   if (combinations * spec.experiments.size() * spec.seeds.size() > kMostRuns) {
     throw InputError(fmt::format("sweep {}: more than {} runs", spec.name, kMostRuns));
   }
@@ -180,6 +193,11 @@ std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const fs::path& out) {
         const std::string& value = values[combination / block % values.size()];
         run.assignments.push_back(key + "=" + value);
         folder.append("_").append(FolderWord(value));
+      }
+      if (!spec.variants.empty()) {
+        const auto& [name, assignments] = spec.variants[combination % variants];
+        run.assignments.insert(run.assignments.end(), assignments.begin(), assignments.end());
+        folder.append("_").append(FolderWord(name));
       }
       for (const uint64_t seed : spec.seeds) {
         run.seed = seed;

@@ -5,6 +5,8 @@
 //   grid:                          # every combination, in this order
 //     planner.gain: [occlusion_aware, rear_side_entropy]
 //     planner.name: [thesis, greedy]
+//   variants:                      # each with the whole grid; settings that go together, by a name
+//     thesis_se_atlas: [planner=thesis, mapper=se_atlas]
 //   seeds: 3                       # 1, 2, 3; or a list
 //   set: [mission.max_scans=30]    # for all runs
 //   estimate_s: 120                # wall time of a run, until an earlier one tells
@@ -25,7 +27,8 @@ struct SweepSpec {
   std::string name;  ///< the file's stem
   std::string doc;
   std::vector<std::string> experiments;
-  std::vector<std::pair<std::string, std::vector<std::string>>> grid;  ///< parameter path, values
+  std::vector<std::pair<std::string, std::vector<std::string>>> grid;      ///< parameter path, values
+  std::vector<std::pair<std::string, std::vector<std::string>>> variants;  ///< name, assignments
   std::vector<uint64_t> seeds;
   std::vector<std::string> set;
   double estimate_s = 120.0;
@@ -45,7 +48,8 @@ struct SweepRun {
   std::shared_ptr<const RunIdentity> identity = nullptr;  ///< once identified (sweep.h)
   std::filesystem::path folder;                           ///< OUT/<experiment>_<value>_<value>/<seed>
 };
-/// Seeds vary fastest, then the grid's last key. @throws InputError when two runs would share a folder.
+/// Seeds vary fastest, then variants, then the grid's last key. Folders are named by the grid's values and
+/// the variant. @throws InputError when two runs would share a folder.
 std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const std::filesystem::path& out);
 
 }  // namespace atlas::experiments

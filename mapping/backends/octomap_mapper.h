@@ -1,4 +1,4 @@
-// OctoMap as a mapper backend.
+// The OctoMap library as a mapper backend: `mapper.name: octomap`.
 #pragma once
 
 #include <memory>
@@ -7,9 +7,10 @@
 
 namespace atlas::mapping {
 
-/// The OctoMap library at one resolution over the object's region. A spin updates each voxel once, hits
-/// before misses (OctoMap's computeUpdate rule); log-odds accumulate in a dense mirror of the region and
-/// reach the octree when it is read, which gives the same tree as one library call a spin, many times faster.
+/// OctoMap's own tree over the object's region, updated as the revolutions come, a revolution an update of
+/// OctoMap's discretised kind: one ray per end voxel, to that voxel's centre, each from its own sensor
+/// position; every voxel changes once, hits before misses. Rays that pass through the region are cut where
+/// they leave it. The view reads the tree.
 std::unique_ptr<Mapper> BuildOctomapMapper(const MapperParams& params, const core::Box3& object_box,
                                            const std::optional<core::LidarModel>& lidar);
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "mapping/backends/on_demand.h"
 #include "mapping/backends/sweep_cloud.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/integrator/integrator.h"
@@ -16,23 +17,19 @@ using core::Vec3;
 using core::Vec3f;
 using Field = OccupancyField;
 
-/// Of a scan's miss: the evidence behind a surface that Eq. 4.2 gives near the sensor, rounded down.
+/// A voxel counts as occupied from this share of a scan's miss on: the least that Eq. 4.2 gives behind a near
+/// surface.
 constexpr double kSurfaceShare = 0.75;
 
-IntegratorParams IntegratorParamsOf(const MapperParams& params, const core::Box3& region) {
-  IntegratorParams integrator;
-  integrator.max_range_m = params.max_range_m;
-  integrator.void_rays = params.void_rays;
-  integrator.void_range_m = params.void_range_m;
-  integrator.region_map = region;
-  // Sweeps from near by: what is held without a return is cleared sooner than from afar.
-  integrator.near_nats = 0.2;
-  // Beams that skim a surface return far apart: what lies between is left for another view.
-  integrator.skim_cosine = 0.5;
-  // Behind a surface that ends, evidence would hide what the next view is to find.
-  integrator.behind_max_m = integrator.behind_min_voxels * params.resolution_m;
-  return integrator;
+/// Free nodes keep the least that is known of their voxels, and cones claim free space only where no beam
+/// contradicts, so one scan's miss decides free, and as much evidence as a scan gives of a surface decides
+/// occupied (thesis 4.5.2: negative is free, positive occupied). Voxels between have seen both.
+StateLogOdds StatesOf(const IntegratorParams& params) {
+  const double miss = Field::kNatsPerUnit * Field::StepsOf(params.miss_nats);
+  return {-miss, kSurfaceShare * miss};
 }
+
+static_assert(DenseGrid::kLogOddsStep == Field::kNatsPerUnit);
 
 class SeAtlasMapper : public Mapper {
  public:
@@ -40,13 +37,15 @@ class SeAtlasMapper : public Mapper {
                 const std::optional<core::LidarModel>& lidar)
       : params_(params),
         tree_(params.resolution_m),
-        grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
+        grid_(object_box.Inflated(params.region_margin_m), params.resolution_m, StatesOf(params.integrator)),
         last_hit_(grid_.frame().count(), 0) {
-    const IntegratorParams integrator = IntegratorParamsOf(params, grid_.region());
+    IntegratorParams integrator = params.integrator;
+    integrator.region_map = grid_.region();
     integrator_ =
         lidar ? MakeConeIntegrator<Field>(integrator, *lidar) : MakeRayIntegrator<Field>(integrator);
     for (int v = -128; v < 128; ++v) {
-      code_[static_cast<uint8_t>(v)] = DenseGrid::CodeOf(ViewLogOdds(static_cast<int8_t>(v), integrator));
+      const double log_odds = Field::LogOdds(static_cast<int8_t>(v));
+      code_[static_cast<uint8_t>(v)] = DenseGrid::CodeOf(static_cast<float>(log_odds));
     }
   }
 
@@ -59,19 +58,22 @@ class SeAtlasMapper : public Mapper {
       MarkBehind(spin);
       cloud.Add(spin);
     }
-    view_is_old_ = true;
+    mirror_.Request();
     return cloud.Take();
   }
 
   const OccupancyView& view() const override {
-    if (std::exchange(view_is_old_, false)) {
+    mirror_.Ensure([this] {
       for (const auto& [chunk, blocks] : tree_.TakeChanges()) Mirror(*tree_.Find(chunk), blocks);
       grid_.FinishUpdate();
-    }
+    });
     return grid_;
   }
 
-  size_t MapBytes() const override { return tree_.Bytes() + grid_.Bytes() + last_hit_.size(); }
+  size_t MapBytes() const override {
+    view();
+    return tree_.Bytes() + grid_.Bytes() + last_hit_.size();
+  }
 
   std::string Save(const std::filesystem::path& directory) const override {
     WriteMap(directory / "map.atlas", tree_);
@@ -79,20 +81,6 @@ class SeAtlasMapper : public Mapper {
   }
 
  private:
-  /// What planners are told of a voxel's log-odds. Free nodes keep the least that is known of their voxels,
-  /// and cones claim free space only where no beam contradicts, so a scan's miss decides free; as much
-  /// evidence as a scan gives of a surface decides occupied (thesis 4.5.2: negative is free, positive
-  /// occupied). What lies between has seen both.
-  float ViewLogOdds(int8_t value, const IntegratorParams& integrator) const {
-    const double log_odds = Field::LogOdds(value);
-    const auto of = [](double p) { return std::log(p / (1.0 - p)); };
-    if (log_odds <= -integrator.miss_nats + 1e-6) return static_cast<float>(of(params_.clamp_min));
-    if (log_odds >= kSurfaceShare * integrator.miss_nats - 1e-6) {
-      return static_cast<float>(of(params_.clamp_max));
-    }
-    return static_cast<float>(log_odds);
-  }
-
   /// Once a spin for each voxel that was hit, by its first ray.
   void MarkBehind(const UndistortedSpin& spin) {
     if (++spin_ == 0) {
@@ -102,7 +90,7 @@ class SeAtlasMapper : public Mapper {
     const core::Box3 near = grid_.region().Inflated(params_.resolution_m);  // most hits lie elsewhere
     const Vec3f near_min = near.min.cast<float>(), near_max = near.max.cast<float>();
     for (const MapRay& ray : spin.hits) {
-      if (ray.range_m > static_cast<float>(params_.max_range_m)) continue;
+      if (ray.range_m > static_cast<float>(params_.integrator.max_range_m)) continue;
       const Vec3f end_float = ray.origin_map + ray.range_m * ray.direction_map;
       if ((end_float.array() < near_min.array()).any() || (end_float.array() > near_max.array()).any())
         continue;
@@ -110,11 +98,12 @@ class SeAtlasMapper : public Mapper {
       const Vec3 end = ray.origin_map.cast<double>() + static_cast<double>(ray.range_m) * direction;
       const int64_t index = grid_.frame().IndexAt(end);
       if (index < 0 || std::exchange(last_hit_[static_cast<size_t>(index)], spin_) == spin_) continue;
-      MarkBehindSurface(end, direction, params_.behind_surface_m, &grid_);
+      MarkBehindSurface(grid_.frame(), end, direction, params_.behind_surface_m,
+                        [this](size_t i, int value) { grid_.SetBehindSurface(i, value); });
     }
   }
 
-  /// Copies the measured voxels of a chunk's blocks into the grid.
+  /// Copies the log-odds of a chunk's measured voxels into the grid, exactly: both hold steps of 0.05.
   void Mirror(const OccupancyOctree::Chunk& chunk, const BlockMask& blocks) const {
     OccupancyOctree::FineLeaf leaf;
     for (int block = 0; block < kChunkBlocks; ++block) {
@@ -150,9 +139,9 @@ class SeAtlasMapper : public Mapper {
   }
 
   MapperParams params_;
-  mutable OccupancyOctree tree_;  ///< mutable for its marks of what the mirror lacks
-  mutable DenseGrid grid_;        ///< lags behind the octree by those
-  mutable bool view_is_old_ = false;
+  OnDemand mirror_;               ///< the grid takes over the octree's changes when it is asked for
+  mutable OccupancyOctree tree_;  ///< mutable for its marks of what the grid lacks
+  mutable DenseGrid grid_;
   std::unique_ptr<ScanIntegrator<Field>> integrator_;
   std::array<uint8_t, 256> code_;  ///< of the grid, by log-odds (as unsigned)
   std::vector<uint8_t> last_hit_;  ///< the last spin that hit a voxel, counted to 255

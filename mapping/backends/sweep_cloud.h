@@ -13,7 +13,7 @@ class SweepCloud {
  public:
   SweepCloud(const MapperParams& params, const core::Box3& region_map)
       : filter_(params.downsample_m),
-        max_range_m_(static_cast<float>(params.max_range_m)),
+        max_range_m_(static_cast<float>(params.integrator.max_range_m)),
         region_min_(region_map.min.cast<float>()),
         region_max_(region_map.max.cast<float>()) {}
 
@@ -34,8 +34,18 @@ class SweepCloud {
   core::Vec3f region_min_, region_max_;
 };
 
-/// Stores D - delta of the proximity count gain (PLANNERS.md 5) in the unmeasured voxels behind a hit.
-void MarkBehindSurface(const core::Vec3& end_map, const core::Vec3& direction_map, double depth_m,
-                       DenseGrid* grid);
+/// Calls `mark(index, D - delta)` on the voxels that lie delta steps behind a hit, up to the depth (proximity
+/// count gain, Isler 2016; D = 2 depth / resolution).
+template <typename Mark>
+void MarkBehindSurface(const GridFrame& frame, const core::Vec3& end_map, const core::Vec3& direction_map,
+                       double depth_m, const Mark& mark) {
+  const double resolution_m = frame.resolution_m();
+  const int depth = static_cast<int>(std::round(depth_m / resolution_m));
+  for (int delta = 1; delta <= depth; ++delta) {
+    const int64_t index = frame.IndexAt(end_map + delta * resolution_m * direction_map);
+    if (index < 0) return;
+    mark(static_cast<size_t>(index), 2 * depth - delta);
+  }
+}
 
 }  // namespace atlas::mapping

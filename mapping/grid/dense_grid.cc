@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <utility>
 
 #include "core/errors.h"
 
@@ -12,8 +13,6 @@ namespace {
 using core::Vec3;
 using core::Vec3f;
 
-constexpr double kLogOddsStep = 1.0 / 24.0;
-constexpr int kZeroCode = 128;  // log-odds 0
 constexpr double kMaxVoxels = 4e8;
 
 /// Walks a ray voxel by voxel and knows when it enters another block of 8^3 voxels, which it can cross in one
@@ -162,18 +161,30 @@ Vec3 GridFrame::CenterOf(size_t index) const {
   return box_.min + resolution_m_ * (cell.array() + 0.5).matrix();
 }
 
-DenseGrid::DenseGrid(const core::Box3& region, double resolution_m)
-    : frame_(region, resolution_m), code_(frame_.count(), 0) {
-  for (int code = 0; code < 256; ++code) {
-    if (code < kFirstMeasured) {
-      table_[static_cast<size_t>(code)] = {0.5f, static_cast<float>(code)};
-    } else {
-      const double log_odds = (code - kZeroCode) * kLogOddsStep;
-      table_[static_cast<size_t>(code)] = {static_cast<float>(1.0 / (1.0 + std::exp(-log_odds))), 0.0f};
-    }
-  }
+DenseGrid::DenseGrid(const core::Box3& region, double resolution_m, const StateLogOdds& states)
+    : frame_(region, resolution_m),
+      last_free_(kZeroCode + static_cast<int>(std::floor(states.free / kLogOddsStep + 1e-6))),
+      first_occupied_(kZeroCode + static_cast<int>(std::ceil(states.occupied / kLogOddsStep - 1e-6))),
+      code_(frame_.count(), 0),
+      occupied_(frame_.box()) {
+  FillTable();
   for (size_t a = 0; a < 3; ++a) blocks_[a] = (frame_.size()[a] + kBlockSide - 1) / kBlockSide;
   FinishUpdate();
+}
+
+void DenseGrid::FillTable() {
+  for (int code = 0; code < 256; ++code) {
+    Decoded& voxel = table_[static_cast<size_t>(code)];
+    if (code < kFirstMeasured) {
+      voxel = {0.5f, static_cast<float>(code), CellState::kUnknown};
+      continue;
+    }
+    const double log_odds = (code - kZeroCode) * kLogOddsStep;
+    voxel = {static_cast<float>(1.0 / (1.0 + std::exp(-log_odds))), 0.0f,
+             code <= last_free_        ? CellState::kFree
+             : code >= first_occupied_ ? CellState::kOccupied
+                                       : CellState::kUnknown};
+  }
 }
 
 uint8_t DenseGrid::CodeOf(float log_odds) {
@@ -189,9 +200,7 @@ void DenseGrid::SetBehindSurface(size_t index, int value) {
 CellState DenseGrid::StateAt(const Vec3& p_map) const {
   const int64_t index = frame_.IndexAt(p_map);
   if (index < 0) return CellState::kUnknown;
-  const float p = table_[code_[static_cast<size_t>(index)]].occupancy;
-  if (p > static_cast<float>(kOccupiedProbability)) return CellState::kOccupied;
-  return p < static_cast<float>(kFreeProbability) ? CellState::kFree : CellState::kUnknown;
+  return table_[code_[static_cast<size_t>(index)]].state;
 }
 
 RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, double max_range_m,
@@ -210,7 +219,7 @@ RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, doubl
       ++samples->back().voxels;
       return true;
     }
-    samples->push_back({voxel.occupancy, static_cast<float>(length_m), index, voxel.behind});
+    samples->push_back({voxel.occupancy, static_cast<float>(length_m), index, voxel.behind, 1, voxel.state});
     return !IsOccupiedCode(code);
   };
   while (on) {
@@ -220,21 +229,16 @@ RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, doubl
     }
     const float occupancy = table_[code_[walk.index()]].occupancy;
     if (samples->empty() || samples->back().occupancy != occupancy) {
-      samples->push_back({occupancy, 0.0f, walk.index(), 0.0f, 0});
+      samples->push_back({occupancy, 0.0f, walk.index(), 0.0f, 0, CellState::kFree});
     }
     on = walk.CrossBlock(&samples->back().voxels, &samples->back().length_m);
   }
   return occupied ? RayEnd::kOccupied : RayEnd::kVoid;
 }
 
-std::vector<Vec3f> DenseGrid::OccupiedCenters() const {
-  return occupied_;
-}
-
 void DenseGrid::FinishUpdate() {
   FindFreeBlocks();
   FindOccupied();
-  FillBuckets();
 }
 
 void DenseGrid::FindFreeBlocks() {
@@ -266,7 +270,7 @@ bool DenseGrid::BlockIsFree(int bx, int by, int bz) const {
 }
 
 void DenseGrid::FindOccupied() {
-  occupied_.clear();
+  std::vector<Vec3f> centers;
   constexpr size_t kGroup = 64;  // most groups hold none: a vectorised maximum passes them
   for (size_t first = 0; first < code_.size(); first += kGroup) {
     const size_t end = std::min(first + kGroup, code_.size());
@@ -274,58 +278,10 @@ void DenseGrid::FindOccupied() {
     for (size_t i = first; i < end; ++i) max = std::max(max, code_[i]);
     if (!IsOccupiedCode(max)) continue;
     for (size_t i = first; i < end; ++i) {
-      if (Occupied(i)) occupied_.push_back(frame_.CenterOf(i).cast<float>());
+      if (Occupied(i)) centers.push_back(frame_.CenterOf(i).cast<float>());
     }
   }
-}
-
-void DenseGrid::FillBuckets() {
-  size_t buckets = 1;
-  for (int a = 0; a < 3; ++a) {
-    bucket_size_[static_cast<size_t>(a)] =
-        std::max(1, static_cast<int>(std::ceil(frame_.box().Size()[a] / bucket_m_)));
-    buckets *= static_cast<size_t>(bucket_size_[static_cast<size_t>(a)]);
-  }
-  const auto bucket_of = [&](const Vec3f& p) {
-    size_t index = 0;
-    for (int a = 2; a >= 0; --a) {
-      const auto n = bucket_size_[static_cast<size_t>(a)];
-      const int cell = static_cast<int>((static_cast<double>(p[a]) - frame_.box().min[a]) / bucket_m_);
-      index = index * static_cast<size_t>(n) + static_cast<size_t>(std::clamp(cell, 0, n - 1));
-    }
-    return index;
-  };
-  bucket_begin_.assign(buckets + 1, 0);
-  for (const Vec3f& p : occupied_) ++bucket_begin_[bucket_of(p) + 1];
-  for (size_t b = 0; b < buckets; ++b) bucket_begin_[b + 1] += bucket_begin_[b];
-  bucket_points_.resize(occupied_.size());
-  std::vector<uint32_t> next(bucket_begin_.begin(), bucket_begin_.end() - 1);
-  for (const Vec3f& p : occupied_) bucket_points_[next[bucket_of(p)]++] = p;
-}
-
-double DenseGrid::DistanceToOccupied(const Vec3& p_map, double limit_m) const {
-  double best_squared = limit_m * limit_m;
-  int lo[3], hi[3];
-  for (int a = 0; a < 3; ++a) {
-    const double local = p_map[a] - frame_.box().min[a];
-    const int n = bucket_size_[static_cast<size_t>(a)];
-    lo[a] = std::clamp(static_cast<int>(std::floor((local - limit_m) / bucket_m_)), 0, n - 1);
-    hi[a] = std::clamp(static_cast<int>(std::floor((local + limit_m) / bucket_m_)), 0, n - 1);
-  }
-  const Vec3f p = p_map.cast<float>();
-  for (int k = lo[2]; k <= hi[2]; ++k) {
-    for (int j = lo[1]; j <= hi[1]; ++j) {
-      const size_t row =
-          static_cast<size_t>(bucket_size_[0]) *
-          (static_cast<size_t>(j) + static_cast<size_t>(bucket_size_[1]) * static_cast<size_t>(k));
-      const uint32_t begin = bucket_begin_[row + static_cast<size_t>(lo[0])];
-      const uint32_t end = bucket_begin_[row + static_cast<size_t>(hi[0]) + 1];
-      for (uint32_t i = begin; i < end; ++i) {
-        best_squared = std::min(best_squared, static_cast<double>((bucket_points_[i] - p).squaredNorm()));
-      }
-    }
-  }
-  return std::sqrt(best_squared);
+  occupied_.Build(std::move(centers));
 }
 
 }  // namespace atlas::mapping

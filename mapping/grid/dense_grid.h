@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
+#include "mapping/grid/occupied_index.h"
 #include "mapping/occupancy_view.h"
 
 namespace atlas::mapping {
@@ -31,7 +33,15 @@ class GridFrame {
   /// Calls `visit(index, t_enter, t_leave)` on the voxels along origin + t * direction for t in [0, t_end],
   /// nearest first, until it returns false or the ray leaves the grid. Returns whether `visit` stopped it.
   template <typename Visit>
-  bool Walk(const core::Vec3& origin, const core::Vec3& direction, double t_end, const Visit& visit) const;
+  bool Walk(const core::Vec3& origin, const core::Vec3& direction, double t_end, const Visit& visit) const {
+    return WalkCells(origin, direction, t_end, [&](const int*, size_t index, double t_enter, double t_leave) {
+      return visit(index, t_enter, t_leave);
+    });
+  }
+  /// The same, with the voxel's (i, j, k) first: `visit(const int cell[3], index, t_enter, t_leave)`.
+  template <typename Visit>
+  bool WalkCells(const core::Vec3& origin, const core::Vec3& direction, double t_end,
+                 const Visit& visit) const;
 
  private:
   double resolution_m_, inverse_resolution_;
@@ -40,12 +50,21 @@ class GridFrame {
   size_t count_;
 };
 
+/// Log-odds up to which a voxel counts as free, and from which on as occupied.
+struct StateLogOdds {
+  double free = std::log(kFreeProbability / (1.0 - kFreeProbability));
+  double occupied = std::log(kOccupiedProbability / (1.0 - kOccupiedProbability));
+};
+
 class DenseGrid : public OccupancyView {
  public:
-  DenseGrid(const core::Box3& region, double resolution_m);
+  /// Steps in which log-odds are held.
+  static constexpr double kLogOddsStep = 0.05;
+
+  DenseGrid(const core::Box3& region, double resolution_m, const StateLogOdds& states = {});
 
   const GridFrame& frame() const { return frame_; }
-  /// Sets a measured voxel's log-odds, rounded to 1/24 for the view.
+  /// Sets a measured voxel's log-odds, rounded to kLogOddsStep for the view.
   void SetLogOdds(size_t index, float log_odds) { code_[index] = CodeOf(log_odds); }
   /// The same in two steps, for callers that set many voxels from few values.
   static uint8_t CodeOf(float log_odds);
@@ -64,41 +83,38 @@ class DenseGrid : public OccupancyView {
   CellState StateAt(const core::Vec3& p_map) const override;
   RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, double max_range_m,
                std::vector<RaySample>* samples) const override;
-  std::vector<core::Vec3f> OccupiedCenters() const override;
-  double DistanceToOccupied(const core::Vec3& p_map, double limit_m) const override;
+  std::vector<core::Vec3f> OccupiedCenters() const override { return occupied_.centers(); }
+  double DistanceToOccupied(const core::Vec3& p_map, double limit_m) const override {
+    return occupied_.DistanceTo(p_map, limit_m);
+  }
 
  private:
-  // Codes: 0 unmeasured; 1..31 unmeasured, that many behind a surface; 32..255 log-odds in steps of 1/24
-  // about 128.
-  static constexpr int kFirstMeasured = 32;
-  static constexpr int kLastFree = 94, kFirstOccupied = 162;  ///< next to log-odds of 0.2 and 0.8
+  // Codes: 0 unmeasured; 1..31 unmeasured, that many behind a surface; 32..255 log-odds in steps about 128.
+  static constexpr int kFirstMeasured = 32, kZeroCode = 128;
   static constexpr int kBlockSide = 8;
   struct Decoded {
     float occupancy, behind;
+    CellState state;
   };
-  static bool IsFreeCode(uint8_t code) { return code >= kFirstMeasured && code <= kLastFree; }
-  static bool IsOccupiedCode(uint8_t code) { return code >= kFirstOccupied; }
+  bool IsFreeCode(uint8_t code) const { return code >= kFirstMeasured && code <= last_free_; }
+  bool IsOccupiedCode(uint8_t code) const { return code >= first_occupied_; }
+  void FillTable();
   void FindFreeBlocks();
   bool BlockIsFree(int bx, int by, int bz) const;
   void FindOccupied();
-  void FillBuckets();
   GridFrame frame_;
+  int last_free_, first_occupied_;  ///< codes
   std::vector<uint8_t> code_;
   std::array<Decoded, 256> table_;
   // Blocks of 8^3 voxels that hold one free value throughout, which rays cross in one step.
   std::array<int, 3> blocks_ = {0, 0, 0};
   std::vector<uint8_t> block_is_free_;
-  std::vector<core::Vec3f> occupied_;
-  // Occupied centres by coarse cell, for the distance query.
-  double bucket_m_ = 0.5;
-  std::array<int, 3> bucket_size_ = {0, 0, 0};
-  std::vector<uint32_t> bucket_begin_;
-  std::vector<core::Vec3f> bucket_points_;
+  OccupiedIndex occupied_;
 };
 
 template <typename Visit>
-bool GridFrame::Walk(const core::Vec3& origin, const core::Vec3& direction, double t_end,
-                     const Visit& visit) const {
+bool GridFrame::WalkCells(const core::Vec3& origin, const core::Vec3& direction, double t_end,
+                          const Visit& visit) const {
   const auto span = box_.Clip(origin, direction);
   if (!span || span->first >= t_end) return false;
   // A step whose boundary lies at the end of the ray, but for rounding, would leave the grid.
@@ -106,7 +122,7 @@ bool GridFrame::Walk(const core::Vec3& origin, const core::Vec3& direction, doub
   const double t_last = t_stop - 1e-9;
   double t = span->first;
   const core::Vec3 local = (origin + t * direction - box_.min) * inverse_resolution_;
-  int cell[3];
+  int cell[3], step[3] = {1, 1, 1};
   double t_next[3], t_delta[3];
   int64_t jump[3] = {1, size_[0], static_cast<int64_t>(size_[0]) * size_[1]};
   for (int a = 0; a < 3; ++a) {
@@ -119,7 +135,10 @@ bool GridFrame::Walk(const core::Vec3& origin, const core::Vec3& direction, doub
     const double boundary = box_.min[a] + resolution_m_ * (cell[a] + (inverse > 0.0 ? 1 : 0));
     t_next[a] = (boundary - origin[a]) * inverse;
     t_delta[a] = resolution_m_ * std::abs(inverse);
-    if (inverse < 0.0) jump[a] = -jump[a];
+    if (inverse < 0.0) {
+      jump[a] = -jump[a];
+      step[a] = -1;
+    }
   }
   auto index = static_cast<int64_t>(IndexOf(cell[0], cell[1], cell[2]));
   double x = t_next[0], y = t_next[1], z = t_next[2];
@@ -129,9 +148,13 @@ bool GridFrame::Walk(const core::Vec3& origin, const core::Vec3& direction, doub
     const bool y_first = !x_first & (y <= z);
     const double t_leave = x_first ? x : (y_first ? y : z);
     const bool last = t_leave >= t_last;
-    if (!visit(static_cast<size_t>(index), t, last ? t_stop : t_leave)) return true;
+    if (!visit(static_cast<const int*>(cell), static_cast<size_t>(index), t, last ? t_stop : t_leave))
+      return true;
     if (last) return false;
     t = t_leave;
+    cell[0] += x_first ? step[0] : 0;
+    cell[1] += y_first ? step[1] : 0;
+    cell[2] += x_first | y_first ? 0 : step[2];
     index += x_first ? jump[0] : (y_first ? jump[1] : jump[2]);
     x += x_first ? t_delta[0] : 0.0;
     y += y_first ? t_delta[1] : 0.0;

@@ -42,9 +42,17 @@ struct IntegratorParams {
   bool motion_aware = true;              ///< per-ray poses; off: one pose a scan (thesis Fig. 4.8)
   double remap_stop_rad = 0.001;         ///< the search for the nearest ray ends here (4.5.3)
   std::optional<core::Box3> region_map;  ///< nothing is kept outside, where given
-  int threads = 1;
-  void Visit(core::ParamVisitor& v);
+  int threads = 1;                       ///< workers that fill chunks; not a parameter of the map
+  /// What a ray says, whatever the map: max_range_m, void_rays, void_range_m.
+  void VisitRays(core::ParamVisitor& v);
+  /// How scans fill the octree: of occupancy and of signed distances, of one of them alone.
+  void VisitFilling(core::ParamVisitor& v);
+  void VisitOccupancy(core::ParamVisitor& v);
+  void VisitTsdf(core::ParamVisitor& v);
 };
+
+/// Declares the edge of the smallest voxel, `resolution_m`.
+void VisitResolution(double* resolution_m, core::ParamVisitor& v);
 
 /// What one call did, for benches and progress.
 struct IntegrationStats {

@@ -30,9 +30,9 @@ class AreaFactor final : public Gain {
   void AddRay(std::span<const mapping::RaySample> samples, mapping::RayEnd, double weight) override {
     all_ += weight;
     size_t i = 0;
-    while (i < samples.size() && IsFree(samples[i].occupancy)) ++i;
+    while (i < samples.size() && IsFree(samples[i])) ++i;
     if (i == samples.size()) return;
-    if (IsOccupied(samples[i].occupancy)) {
+    if (IsOccupied(samples[i])) {
       occupied_ += weight;
     } else if (i > 0) {
       occplane_ += weight;

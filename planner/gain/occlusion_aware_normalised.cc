@@ -20,8 +20,8 @@ class OcclusionAwareNormalised final : public RaySumGain {
   double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd) const override {
     double visibility = 1.0, sum = 0.0;
     for (const mapping::RaySample& v : samples) {
-      if (IsFree(v.occupancy)) continue;   // certain: P = 0, H = 0
-      if (IsOccupied(v.occupancy)) break;  // certain, and nothing is seen behind it
+      if (IsFree(v)) continue;   // certain: P = 0, H = 0
+      if (IsOccupied(v)) break;  // certain, and nothing is seen behind it
       const double p = v.occupancy;
       const double extinction = -std::log1p(-p);
       const double passed = std::exp(-extinction * v.length_m / kReference_m);

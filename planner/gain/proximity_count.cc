@@ -13,7 +13,7 @@ class ProximityCount final : public RaySumGain {
   double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd) const override {
     double sum = 0.0;
     for (const mapping::RaySample& v : samples) {
-      if (IsUnknown(v.occupancy)) sum += v.behind_surface;
+      if (IsUnknown(v)) sum += v.behind_surface;
     }
     return sum;
   }

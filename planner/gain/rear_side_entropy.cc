@@ -14,7 +14,7 @@ class RearSideEntropy final : public RaySumGain {
     if (end != mapping::RayEnd::kOccupied) return 0.0;
     const size_t hit = samples.size() - 1;
     size_t first = hit;
-    while (first > 0 && IsUnknown(samples[first - 1].occupancy)) --first;
+    while (first > 0 && IsUnknown(samples[first - 1])) --first;
     if (first == hit) return 0.0;
     double visibility = 1.0, sum = 0.0;
     for (size_t i = 0; i < hit && visibility >= kNegligibleVisibility; ++i) {

@@ -11,7 +11,7 @@ class RearSideVoxel final : public RaySumGain {
 
   double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd end) const override {
     if (end != mapping::RayEnd::kOccupied || samples.size() < 2) return 0.0;
-    return IsUnknown(samples[samples.size() - 2].occupancy) ? 1.0 : 0.0;
+    return IsUnknown(samples[samples.size() - 2]) ? 1.0 : 0.0;
   }
 };
 

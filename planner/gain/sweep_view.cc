@@ -7,11 +7,9 @@
 namespace atlas::planner {
 namespace {
 
-/// Steps of the roll at which the beams are laid over a direction.
-constexpr int kRollSteps = 161;
-
-/// A sweep of this long is counted (rolls to one side, to the other and back).
-constexpr double kSweep_s = 6.0;
+/// Times of the sweep at which the beams are laid over a direction: the roll turns by less than half a
+/// VLP-16's beam spacing from one to the next.
+constexpr int kTimeSteps = 321;
 
 core::Vec3 DirectionOf(double azimuth_rad, double elevation_rad) {
   return {std::cos(elevation_rad) * std::cos(azimuth_rad), std::cos(elevation_rad) * std::sin(azimuth_rad),
@@ -30,7 +28,7 @@ core::Mat3 RollBack(double roll_rad) {
 
 SweepView::SweepView(const SweepSensorModel& sensor)
     : R_lidar_base_(sensor.T_base_lidar.linear().transpose()),
-      roll_rad_(sensor.roll_rad),
+      roll_rad_(sensor.roll.amplitude_rad()),
       sensor_height_m_(sensor.base_height_m + sensor.T_base_lidar.translation().z()),
       beam_rad_(sensor.lidar.elevation_rad) {
   assert(beam_rad_.size() >= 2);
@@ -40,17 +38,17 @@ SweepView::SweepView(const SweepSensorModel& sensor)
     beam_share_.push_back(1.0 / (gap * static_cast<double>(beam_rad_.size() - 1)));
   }
   for (const double elevation : beam_rad_) beam_sine_.push_back(std::sin(elevation));
-  for (int i = 0; i < kRollSteps; ++i) {
-    const double roll = roll_rad_ * (2.0 * (i + 0.5) / kRollSteps - 1.0);
+  for (int i = 0; i < kTimeSteps; ++i) {
+    const double roll = sensor.roll.At((i + 0.5) / kTimeSteps * sensor.roll.period_s()).roll_rad;
     roll_cos_sin_.emplace_back(std::cos(roll), std::sin(roll));
   }
   FillTable(static_cast<double>(sensor.lidar.rows()) * sensor.lidar.columns * sensor.lidar.spin_rate_hz *
-            kSweep_s);
+            sensor.roll.period_s());
   FindExtents();
 }
 
-/// Mean over the roll of the share of rays per steradian: beams are uniform in azimuth about the LiDAR's
-/// axis, so a share per radian of elevation spreads over 2 pi cos(elevation) radians.
+/// Mean over the time of the sweep of the share of rays per steradian: beams are uniform in azimuth about the
+/// LiDAR's axis, so a share per radian of elevation spreads over 2 pi cos(elevation) radians.
 double SweepView::DensityAt(const core::Vec3& direction_base) const {
   const core::Vec3 axis_base = R_lidar_base_.row(2).transpose();
   const double constant = axis_base.x() * direction_base.x();

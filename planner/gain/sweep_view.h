@@ -5,6 +5,7 @@
 
 #include "core/geometry.h"
 #include "core/lidar_model.h"
+#include "core/roll_profile.h"
 
 namespace atlas::planner {
 
@@ -12,16 +13,17 @@ namespace atlas::planner {
 struct SweepSensorModel {
   core::LidarModel lidar;
   core::Pose T_base_lidar = core::Pose::Identity();
-  double base_height_m = 0.44;  ///< above ground
-  double roll_rad = 0.7;        ///< sweep from +roll to -roll
+  double base_height_m = 0.44;                       ///< above ground
+  core::RollProfile roll{core::Radians(40.0), 6.0};  ///< of the base about its x axis, as it will be
 };
 
 /// Sensor rays per steradian of a whole sweep, by direction in the levelled base frame (x the robot's nose, z
 /// up).
 ///
-/// The base rolls about its x axis at a constant rate from +roll to -roll and back; at every roll the LiDAR
-/// covers the elevations between its lowest and highest beam, all azimuths, with the density of its beams. So
-/// a roll of 40 degrees widens a VLP-16's view to 55 degrees abeam but 20 dead ahead.
+/// The base rolls about its x axis as the sweep's profile says, which dwells where the roll is greatest; at
+/// every roll the LiDAR covers the elevations between its lowest and highest beam, all azimuths, with the
+/// density of its beams. So a roll of 40 degrees widens a VLP-16's view to 55 degrees abeam but 20 dead
+/// ahead, and abeam most rays go 30 to 50 degrees up and down.
 ///
 ///              abeam (y)                The beam plane turns about the nose: directions
 ///          \    |    /   +roll          near x stay where they are, directions near y
@@ -76,7 +78,7 @@ class SweepView {
   double sensor_height_m_ = 0.0;
   std::vector<double> beam_rad_;          ///< ascending elevations
   std::vector<double> beam_sine_;         ///< of those
-  std::vector<core::Vec2> roll_cos_sin_;  ///< of the rolls at which beams are laid over a direction
+  std::vector<core::Vec2> roll_cos_sin_;  ///< of the rolls at even times of the sweep
   std::vector<double> beam_share_;        ///< of the rays per radian of elevation, between neighbouring beams
   std::vector<double> table_;             ///< row-major, elevation by azimuth
   double common_min_rad_ = 0.0, common_max_rad_ = 0.0, min_rad_ = 0.0, max_rad_ = 0.0;

@@ -15,7 +15,7 @@ class UnknownVolume final : public SharedUnionGain {
   void AddRayToViews(std::span<const mapping::RaySample> samples, mapping::RayEnd,
                      std::span<const double> weights) override {
     for (const mapping::RaySample& v : samples) {
-      if (IsUnknown(v.occupancy)) met_.Add(v.key, weights);
+      if (IsUnknown(v)) met_.Add(v.key, weights);
     }
   }
   std::vector<double> FinishViews() override {

@@ -12,7 +12,7 @@ class UnobservedVoxel final : public RaySumGain {
   double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd) const override {
     double visibility = 1.0, sum = 0.0;
     for (const mapping::RaySample& v : samples) {
-      if (IsUnknown(v.occupancy)) sum += visibility * entropy_(v.occupancy);
+      if (IsUnknown(v)) sum += visibility * entropy_(v.occupancy);
       visibility *= AttenuationOf(v).passed;  // Eq. 3.5, over all voxels passed
       if (visibility < kNegligibleVisibility) break;
     }

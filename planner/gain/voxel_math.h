@@ -7,16 +7,15 @@
 
 namespace atlas::planner {
 
-/// Neither free nor occupied (PLANNERS.md: p in [0.2, 0.8]).
-inline bool IsUnknown(float p) {
-  return p >= static_cast<float>(mapping::kFreeProbability) &&
-         p <= static_cast<float>(mapping::kOccupiedProbability);
+/// What the voxel counts as in its map (mapping::CellState).
+inline bool IsUnknown(const mapping::RaySample& v) {
+  return v.state == mapping::CellState::kUnknown;
 }
-inline bool IsFree(float p) {
-  return p < static_cast<float>(mapping::kFreeProbability);
+inline bool IsFree(const mapping::RaySample& v) {
+  return v.state == mapping::CellState::kFree;
 }
-inline bool IsOccupied(float p) {
-  return p > static_cast<float>(mapping::kOccupiedProbability);
+inline bool IsOccupied(const mapping::RaySample& v) {
+  return v.state == mapping::CellState::kOccupied;
 }
 
 /// H(p) by linear interpolation in a table, within 1e-6 of Entropy(p) (thesis Eq. 3.3). A ray of a hundred

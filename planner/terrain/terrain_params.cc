@@ -4,9 +4,11 @@ namespace atlas::planner {
 
 void TerrainParams::Visit(core::ParamVisitor& v) {
   v.Field("cell_m", &cell_m, {.unit = "m", .min = 0.02, .max = 0.2, .doc = "edge of an elevation cell"});
-  v.Field(
-      "window_m", &window_m,
-      {.unit = "m", .min = 3.0, .max = 30.0, .doc = "side of the square about the robot that planning uses"});
+  v.Field("window_m", &window_m,
+          {.unit = "m",
+           .min = 3.0,
+           .max = 30.0,
+           .doc = "side of the square about the robot that the elevation map holds"});
   v.Field(
       "max_fill_m", &max_fill_m,
       {.unit = "m", .min = 0.0, .max = 0.6, .doc = "gaps up to this wide are interpolated, wider ones stay"});

@@ -1,9 +1,15 @@
-// When mapping is done: thesis Eq. 3.8 made scale-free.
+// When mapping is done: thesis Eq. 3.8, as it stands and made scale-free.
 #pragma once
 
 #include <deque>
 
 namespace atlas::planner {
+
+/// Eq. 3.8 as it stands: no candidate of this plan reaches u_thres, in the gain's own unit. Where the best
+/// one promises nothing at all there is nothing to go to, whatever the threshold.
+inline bool BelowThreshold(double best_utility, double u_thres) {
+  return best_utility < u_thres || best_utility <= 0.0;
+}
 
 /// As in NbvParams, where the defaults are.
 struct TerminationParams {

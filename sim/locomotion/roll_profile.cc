@@ -3,7 +3,6 @@
 namespace atlas::sim {
 namespace {
 
-constexpr double kEaseS = 0.3;
 constexpr double kLevelS = 0.5;
 
 double SmoothStep(double u) {
@@ -14,26 +13,10 @@ double SmoothStep(double u) {
 }  // namespace
 
 BodyRoll RollProfile::At(double time_s) const {
-  const double t = std::clamp(time_s, 0.0, period_s_);
-  const double ease = std::min(kEaseS, 0.25 * period_s_);
-  const double speed = 2.0 * core::kPi / (period_s_ - ease);  // trapezoid of area 2 pi
-  const double to_end = period_s_ - t;
-  double phase, rate;
-  if (t < ease) {
-    rate = speed * t / ease;
-    phase = 0.5 * rate * t;
-  } else if (to_end < ease) {
-    rate = speed * to_end / ease;
-    phase = 2.0 * core::kPi - 0.5 * rate * to_end;
-  } else {
-    rate = speed;
-    phase = speed * (t - 0.5 * ease);
-  }
-  BodyRoll roll;
-  roll.roll_rad = amplitude_rad_ * std::sin(phase);
-  roll.rate_radps = amplitude_rad_ * std::cos(phase) * rate;
-  roll.level = SmoothStep(std::min(t, to_end) / std::min(kLevelS, 0.25 * period_s_));
-  return roll;
+  const double t = std::clamp(time_s, 0.0, period_s());
+  const core::RollProfile::State roll = roll_.At(t);
+  const double to_an_end = std::min(t, period_s() - t);
+  return {roll.roll_rad, roll.rate_radps, SmoothStep(to_an_end / std::min(kLevelS, 0.25 * period_s()))};
 }
 
 }  // namespace atlas::sim

@@ -1,23 +1,23 @@
-// The scanning action as a function of time (thesis 3.6.1).
+// The scanning action as the body follows it (thesis 3.6.1).
 #pragma once
 
+#include "core/roll_profile.h"
 #include "sim/locomotion/body_reference.h"
 
 namespace atlas::sim {
 
-/// From level to +amplitude, to -amplitude and back to level in `period_s`: a sine whose phase speeds up and
-/// slows down over 0.3 s, so that roll, rate and posture join the stand without a jerk. The roll is against
-/// gravity.
+/// core::RollProfile against gravity: the posture leaves the slope of the ground and comes back to it over
+/// half a second at the ends.
 class RollProfile {
  public:
-  RollProfile(double amplitude_rad, double period_s) : amplitude_rad_(amplitude_rad), period_s_(period_s) {}
+  RollProfile(double amplitude_rad, double period_s) : roll_(amplitude_rad, period_s) {}
 
-  double period_s() const { return period_s_; }
+  double period_s() const { return roll_.period_s(); }
   /// Clamped to [0, period_s].
   BodyRoll At(double time_s) const;
 
  private:
-  double amplitude_rad_, period_s_;
+  core::RollProfile roll_;
 };
 
 }  // namespace atlas::sim

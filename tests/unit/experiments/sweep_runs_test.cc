@@ -132,9 +132,35 @@ TEST_F(SweepTest, EveryVaryingSettingIsPartOfTheFoldersName) {
   EXPECT_EQ(runs[2].folder, fs::path("out/car_0.1/1"));
 }
 
+TEST_F(SweepTest, VariantsAreSettingsThatGoTogetherUnderAName) {
+  const SweepSpec spec = LoadSweep(WriteSpec(
+      "experiments: [car]\ngrid: {planner.gain: [occlusion_aware, rear_side_entropy]}\n"
+      "variants: {thesis: [planner=thesis], atlas: [planner=thesis, mapper=se_atlas]}\nseeds: [7, 9]\n"));
+  const std::vector<SweepRun> runs = ExpandSweep(spec, "out");
+  ASSERT_EQ(runs.size(), 2u * 2u * 2u);
+  EXPECT_EQ(runs[0].folder, fs::path("out/car_occlusion_aware_thesis/7"));
+  EXPECT_EQ(runs[7].folder, fs::path("out/car_rear_side_entropy_atlas/9"));
+  EXPECT_EQ(runs[7].assignments, (std::vector<std::string>{"planner.gain=rear_side_entropy", "planner=thesis",
+                                                           "mapper=se_atlas"}));
+  EXPECT_NE(ErrorOf("experiments: [car]\nseeds: 1\nvariants: {a: [planner]}\n")
+                .find("spec.yaml:3: variants.a: expected a.b=value, found 'planner'"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf("experiments: [car]\nseeds: 1\nvariants: [a]\n").find("spec.yaml:3: variants"),
+            std::string::npos);
+}
+
+/// The seeds that parameters were tuned on are 1 to 10: tables do not use them.
+TEST_F(SweepTest, TablesUseOtherSeedsThanThoseThatParametersWereTunedOn) {
+  for (const char* name : {"table_3_1", "table_3_1_greedy", "table_3_2", "mappers"}) {
+    const SweepSpec spec = LoadSweep(name);
+    EXPECT_GE(spec.seeds.size(), 5u) << name;
+    for (const uint64_t seed : spec.seeds) EXPECT_GT(seed, 10u) << name;
+  }
+}
+
 TEST_F(SweepTest, TheSweepsOfTheThesisLoad) {
   const SweepSpec one = LoadSweep("table_3_1");
-  EXPECT_EQ(ExpandSweep(one, "x").size(), 4u * 2u * 2u * 3u);
+  EXPECT_EQ(ExpandSweep(one, "x").size(), 4u * 2u * 3u * 5u);
   const SweepSpec two = LoadSweep("table_3_2");
   EXPECT_EQ(two.experiments, (std::vector<std::string>{"facade_grass", "helicopter_grating"}));
 }

@@ -29,7 +29,7 @@ struct Twins {
         const Vec3 p = grid.frame().CenterOf(i);
         if (!box.Contains(p)) continue;
         grid.SetLogOdds(i, log_odds);
-        world.Set(p, static_cast<float>(1.0 / (1.0 + std::exp(-std::round(24.0 * log_odds) / 24.0))));
+        world.Set(p, static_cast<float>(1.0 / (1.0 + std::exp(-log_odds))));
       }
     };
     for (int i = 0; i < 6; ++i) fill(0.7, levels[rng.UniformInt(2)]);

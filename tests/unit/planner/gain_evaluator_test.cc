@@ -20,7 +20,6 @@ SweepSensorModel Sensor() {
   SweepSensorModel sensor;
   sensor.lidar = core::FindLidarModel("vlp16");
   sensor.T_base_lidar.translation().z() = 0.25;
-  sensor.roll_rad = core::Radians(40.0);
   return sensor;
 }
 

@@ -1,4 +1,5 @@
-// The sweep's field of view against rotating every beam through the roll.
+// The sweep's field of view against rotating every beam through the roll. Whether the roll is that of the
+// simulator is for tests/unit/experiments/sweep_prediction_test.cc.
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
@@ -14,7 +15,7 @@ using core::Vec3;
 SweepSensorModel Vlp16Sweep() {
   SweepSensorModel sensor;
   sensor.lidar = core::FindLidarModel("vlp16");
-  sensor.roll_rad = Radians(40.0);
+  sensor.roll = {Radians(40.0), 6.0};
   return sensor;
 }
 
@@ -47,13 +48,13 @@ TEST(SweepView, DensityEqualsCountingRotatedBeams) {
   SweepSensorModel sensor = Vlp16Sweep();
   sensor.T_base_lidar.linear() = core::RotationFromYawPitchRoll(0.3, 0.1, 0.0);
   const SweepView view(sensor);
-  constexpr int kRolls = 400, kColumns = 360, kBand_deg = 10;
+  constexpr int kRolls = 800, kColumns = 360, kBand_deg = 10;
   const double whole = 16.0 * sensor.lidar.columns * sensor.lidar.spin_rate_hz * 6.0;
   std::vector<double> counted(36 * 18, 0.0), predicted(36 * 18, 0.0);
   for (int r = 0; r < kRolls; ++r) {
+    const double time_s = 6.0 * (r + 0.5) / kRolls;
     const core::Mat3 R =
-        core::RotationFromYawPitchRoll(0, 0, sensor.roll_rad * (2.0 * (r + 0.5) / kRolls - 1.0)) *
-        sensor.T_base_lidar.linear();
+        core::RotationFromYawPitchRoll(0, 0, sensor.roll.At(time_s).roll_rad) * sensor.T_base_lidar.linear();
     for (const double beam : sensor.lidar.elevation_rad) {
       for (int c = 0; c < kColumns; ++c) {
         const Vec3 d = R * Direction(2.0 * core::kPi * c / kColumns, beam);
@@ -90,7 +91,7 @@ TEST(SweepView, SeesExactlyWhereSomeRollBringsABeamsInterval) {
     const Vec3 d = Vec3(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
     double nearest = 1e9;  // to the beams' interval, over the roll; <= 0 inside
     for (int r = 0; r <= 800; ++r) {
-      const double roll = sensor.roll_rad * (r / 400.0 - 1.0);
+      const double roll = Radians(40.0) * (r / 400.0 - 1.0);
       const Vec3 in_lidar =
           (core::RotationFromYawPitchRoll(0, 0, roll) * sensor.T_base_lidar.linear()).transpose() * d;
       nearest = std::min(nearest, std::abs(std::asin(in_lidar.z())) - Radians(15.0));

@@ -99,8 +99,26 @@ TEST(GainValues, ProximityCountSumsStoredValuesOfUnmeasuredVoxels) {
   ray[1].behind_surface = 11.0f;
   ray[2].behind_surface = 10.0f;
   EXPECT_EQ(GainOfRay("proximity_count", ray, RayEnd::kVoid), 21.0);
-  ray[1].occupancy = 0.1f;
+  ray[1] = {0.1f, ray[1].length_m, ray[1].key, 11.0f};
   EXPECT_EQ(GainOfRay("proximity_count", ray, RayEnd::kVoid), 10.0);
+}
+
+/// SE-Atlas holds a scan's miss as free at log-odds of -0.4 (thesis 4.5.2): what the voxel counts as is the
+/// map's, how uncertain it is the log-odds'.
+TEST(GainValues, VoxelsCountAsTheirMapSaysAndWeighAsItsLogOddsSay) {
+  const float p = static_cast<float>(1.0 / (1.0 + std::exp(0.4)));
+  auto ray = Ray({p, 0.5f, 0.9f});
+  ray[0].state = mapping::CellState::kFree;
+  const double entropy = -static_cast<double>(p) * std::log(static_cast<double>(p)) -
+                         (1.0 - static_cast<double>(p)) * std::log(1.0 - static_cast<double>(p));
+  const double passed = 1.0 - static_cast<double>(p);
+  EXPECT_NEAR(GainOfRay("occlusion_aware", ray, RayEnd::kOccupied), entropy + passed * (kLn2 + 0.5 * kH9),
+              2e-6);
+  EXPECT_NEAR(GainOfRay("rear_side_entropy", ray, RayEnd::kOccupied), passed * kLn2, 2e-6);
+  EXPECT_NEAR(GainOfRay("unobserved_voxel", ray, RayEnd::kOccupied), passed * kLn2, 2e-6);
+  EXPECT_NEAR(GainOfRay("occlusion_aware_normalised", ray, RayEnd::kOccupied),
+              GainOfRay("occlusion_aware_normalised", Ray({0.01f, 0.5f, 0.9f}), RayEnd::kOccupied), 1e-9);
+  EXPECT_EQ(GainOfRay("rear_side_voxel", {ray[0], ray[2]}, RayEnd::kOccupied), 0.0);
 }
 
 TEST(GainValues, AverageEntropyIsPerVoxelOverRaysThatHit) {

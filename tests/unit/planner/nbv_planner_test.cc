@@ -18,11 +18,11 @@ using core::Vec3;
 
 const Box3 kObjectBox{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
 
-SweepSensorModel Sensor() {
-  SweepSensorModel sensor;
-  sensor.lidar = core::FindLidarModel("vlp16");
-  sensor.T_base_lidar.translation().z() = 0.25;
-  return sensor;
+RobotModel Robot() {
+  RobotModel robot;
+  robot.sensor.lidar = core::FindLidarModel("vlp16");
+  robot.sensor.T_base_lidar.translation().z() = 0.25;
+  return robot;
 }
 
 NbvParams SmallParams(const std::string& name) {
@@ -57,7 +57,7 @@ tests::FlatGround GroundAboutObject(const Vec2& robot) {
 }
 
 std::unique_ptr<NbvPlanner> Make(const NbvParams& params, int threads = 1, uint64_t seed = 1) {
-  return MakeNbvPlanner(params, robots::RobotSpec{}, Sensor(), kObjectBox, threads, core::Rng(seed));
+  return MakeNbvPlanner(params, Robot(), kObjectBox, threads, core::Rng(seed));
 }
 
 const Pose kRobot = core::PoseFromXyzYaw(Vec3(0.0, -3.0, 0.44), 0.0);
@@ -129,10 +129,12 @@ TEST_P(EachPlanner, NoGroundToStandOnIsNoCandidatesAndNeverComplete) {
   }
 }
 
-TEST_P(EachPlanner, SweepsThatBringNothingEndTheMission) {
+INSTANTIATE_TEST_SUITE_P(Catalogue, EachPlanner, testing::Values("thesis", "greedy"));
+
+TEST(NbvPlanner, SweepsThatBringNothingEndAGreedyMission) {
   const auto map = NearSideMapped();
   const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
-  const NbvParams params = SmallParams(GetParam());
+  const NbvParams params = SmallParams("greedy");
   const auto planner = Make(params);
   planner->OnSweep(kRobot, 500);
   EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kView);
@@ -145,7 +147,34 @@ TEST_P(EachPlanner, SweepsThatBringNothingEndTheMission) {
   EXPECT_EQ(outcome, NbvOutcome::kGainExhausted);
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EachPlanner, testing::Values("thesis", "greedy"));
+/// Eq. 3.8 and nothing else: the same view again and again while its utility reaches u_thres.
+TEST(ThesisPlanner, TakesTheGreatestUtilityUntilItFallsBelowTheThreshold) {
+  const auto map = NearSideMapped();
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  NbvParams params = SmallParams("thesis");
+  params.visited_cost = false;
+  params.stop_utility = 1.0;
+  const auto planner = Make(params);
+  double best_utility = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    planner->OnSweep(kRobot, i == 0 ? 500 : 0);
+    const NbvDecision decision = planner->Plan(kRobot, map, ground);
+    ASSERT_EQ(decision.outcome, NbvOutcome::kView)
+        << "neither flat sweeps nor broken promises end or bend it";
+    best_utility = decision.candidates[static_cast<size_t>(decision.best)].utility;
+    for (const Candidate& c : decision.candidates) {
+      EXPECT_LE(c.utility, best_utility);
+      EXPECT_NE(c.reason, LossReason::kBlacklisted);
+    }
+    // A sweep where it was sent brings nothing.
+    const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
+    planner->OnSweep(core::PoseFromXyzYaw(Vec3(view.p_map.x(), view.p_map.y(), 0.44), view.yaw_rad), 0);
+  }
+  params.stop_utility = 2.0 * best_utility;
+  const auto content = Make(params);
+  content->OnSweep(kRobot, 500);
+  EXPECT_EQ(content->Plan(kRobot, map, ground).outcome, NbvOutcome::kGainExhausted) << "with its first plan";
+}
 
 TEST(NbvPlanner, GreedyGoesRoundToTheUnseenSide) {
   const auto map = NearSideMapped();

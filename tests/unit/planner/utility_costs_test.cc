@@ -83,6 +83,13 @@ TEST(Costs, WalkTimeCountsLengthTurnsAndSlope) {
   EXPECT_EQ(ContinuousTraversalCost(model, 0.0), 0.0);
 }
 
+TEST(Termination, TheThesissThresholdEndsWithTheFirstPlanBelowIt) {
+  EXPECT_FALSE(BelowThreshold(50.0, 50.0)) << "Eq. 3.8 is strict";
+  EXPECT_TRUE(BelowThreshold(49.9, 50.0));
+  EXPECT_FALSE(BelowThreshold(1e-9, 0.0));
+  EXPECT_TRUE(BelowThreshold(0.0, 0.0)) << "nothing to go to";
+}
+
 TEST(Termination, StopsOnlyWhereRoundsAreLowOnAverageOnAFlatCurve) {
   Termination low({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
   for (const double utility : {100.0, 3.0, 20.0, 3.0}) {

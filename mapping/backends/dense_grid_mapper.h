@@ -1,0 +1,16 @@
+// A dense occupancy grid of our own: `mapper.name: dense_grid`.
+#pragma once
+
+#include <memory>
+
+#include "mapping/mapper.h"
+
+namespace atlas::mapping {
+
+/// OctoMap's update rule (each voxel once a revolution, hits before misses) on an array over the object's
+/// region: many times faster than a tree, at the price of the whole region's memory. Of the rays that end in
+/// one voxel the first is traced.
+std::unique_ptr<Mapper> BuildDenseGridMapper(const MapperParams& params, const core::Box3& object_box,
+                                             const std::optional<core::LidarModel>& lidar);
+
+}  // namespace atlas::mapping
