@@ -30,7 +30,10 @@ SceneSpec LoadSceneFile(const std::filesystem::path& path);
 struct GroundTruth {
   std::vector<core::Vec3f> points;
   std::vector<core::Vec3f> normals;  ///< outward, a point each
-  std::vector<uint16_t> part;        ///< index into part_names, a point each
+  /// 1 where the point lies on a shell that encloses no volume (not watertight): nothing tells its outer
+  /// side, so both count. Empty: all shells are closed.
+  std::vector<uint8_t> two_sided;
+  std::vector<uint16_t> part;  ///< index into part_names, a point each
   std::vector<std::string> part_names;
   std::vector<double> part_area_m2;  ///< exposed area a part name
 };

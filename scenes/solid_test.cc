@@ -46,6 +46,22 @@ bool IsWatertight(const core::TriMesh& mesh) {
   return true;
 }
 
+double SignedVolume(const core::TriMesh& mesh) {
+  if (mesh.vertices.empty()) return 0.0;
+  const Vec3 origin = mesh.vertices[0].cast<double>();  // near by, so that little cancels
+  double sixfold = 0.0;
+  for (const auto& t : mesh.triangles) {
+    Vec3 v[3];
+    for (int k = 0; k < 3; ++k) v[k] = mesh.vertices[t[k]].cast<double>() - origin;
+    sixfold += v[0].dot(v[1].cross(v[2]));
+  }
+  return sixfold / 6.0;
+}
+
+void TurnInsideOut(core::TriMesh* mesh) {
+  for (auto& t : mesh->triangles) std::swap(t[1], t[2]);
+}
+
 std::vector<core::TriMesh> SplitShells(const core::TriMesh& mesh) {
   std::vector<uint32_t> root = JoinedVertices(mesh);
   const auto find = [&](uint32_t i) {

@@ -12,6 +12,10 @@ namespace atlas::scenes {
 /// shells read from files without shared indices qualify too.
 bool IsWatertight(const core::TriMesh& mesh);
 
+/// Volume of a watertight mesh in m^3: negative where its faces look inward.
+double SignedVolume(const core::TriMesh& mesh);
+void TurnInsideOut(core::TriMesh* mesh);
+
 /// The mesh's connected pieces (corners at equal places are joined), in the order of their first triangles.
 std::vector<core::TriMesh> SplitShells(const core::TriMesh& mesh);
 
