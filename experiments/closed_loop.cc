@@ -38,7 +38,7 @@ struct Mission {
         terrain(config.planner.terrain, robot),
         feed(
             {.cloud_spacing_m = config.mapper.downsample_m}, &terrain, mapper.get(),
-            [this](const core::PointCloud& cloud) {
+            [this](const mapping::ReturnCloud& cloud) {
               metrics.TakeCloud(cloud);
               returns_map.insert(returns_map.end(), cloud.points.begin(), cloud.points.end());
             },

@@ -7,6 +7,7 @@
 #include "core/files.h"
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"
+#include "experiments/metrics/scored_files.h"
 #include "experiments/run_identity.h"
 #include "experiments/thesis_deviations.h"
 
@@ -45,20 +46,23 @@ RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) 
 
 /// What was to be had of each part, and what was had: coverage_by_part.csv.
 std::string PartsCsv(const scenes::GroundTruth& truth, const std::vector<uint8_t>& attainable,
-                     const std::vector<uint8_t>& covered) {
-  std::vector<size_t> points(truth.part_names.size()), reach(points), got(points), both(points);
+                     const std::vector<uint8_t>& covered, const std::vector<uint8_t>& outer) {
+  std::vector<size_t> points(truth.part_names.size()), reach(points), got(points), front(points),
+      both(points);
   for (size_t i = 0; i < truth.points.size(); ++i) {
     const size_t part = truth.part[i];
     ++points[part];
     reach[part] += attainable[i];
     got[part] += covered[i];
-    both[part] += attainable[i] & covered[i];
+    front[part] += outer[i];
+    both[part] += attainable[i] & outer[i];
   }
-  std::string csv = "part,area_m2,attainable,coverage,coverage_of_attainable\n";
+  std::string csv = "part,area_m2,attainable,coverage,coverage_outer,coverage_of_attainable\n";
   for (size_t k = 0; k < points.size(); ++k) {
     const auto n = static_cast<double>(std::max<size_t>(1, points[k]));
-    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f}\n", truth.part_names[k], truth.part_area_m2[k],
+    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", truth.part_names[k], truth.part_area_m2[k],
                        static_cast<double>(reach[k]) / n, static_cast<double>(got[k]) / n,
+                       static_cast<double>(front[k]) / n,
                        static_cast<double>(both[k]) / static_cast<double>(std::max<size_t>(1, reach[k])));
   }
   return csv;
@@ -89,9 +93,7 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
   const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
   recorder_->mutable_summary()->coverage_attainable =
       truth_.points.empty() ? 0.0 : attained / static_cast<double>(truth_.points.size());
-  core::PointCloud cloud;
-  cloud.points = truth_.points;
-  core::WritePly(options.folder / "ground_truth.ply", core::DownsampleFirst(cloud, 0.03));
+  WriteScoredTruth(options.folder / "ground_truth.ply", truth_, attainable_);
 }
 
 void MissionMetrics::Attach(sim::Simulator* simulator) {
@@ -125,10 +127,10 @@ void MissionMetrics::ObserveMap(size_t cloud_points, double integration_ms, size
 }
 
 void MissionMetrics::SampleSurroundings() {
-  surroundings_ = SampleBackground(scene_, scene_.object_box.Inflated(0.3), 0.02);
+  meter_->SetSurroundings(SampleBackground(scene_, scene_.object_box.Inflated(0.3), 0.02));
 }
 
-void MissionMetrics::TakeCloud(const core::PointCloud& cloud) {
+void MissionMetrics::TakeCloud(const mapping::ReturnCloud& cloud) {
   const Stopwatch measuring;
   meter_->Take(cloud);
   scored_.seconds += measuring.seconds();
@@ -139,7 +141,9 @@ void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
   meter_->Align();
   scored_.coverage_raw = meter_->coverage_raw();
   scored_.coverage = meter_->coverage();
-  scored_.of_attainable = ShareOf(meter_->covered(), attainable_);
+  scored_.coverage_outer = meter_->coverage_outer();
+  scored_.of_attainable = ShareOf(meter_->covered_outer(), attainable_);
+  scored_.error = meter_->MeasureCloudError(scene_.object_box);
   scored_.map_bytes = mapper.MapBytes();
   if (volume_) scored_.explored_m3 = volume_->ExploredM3(mapper.view());
   scored_.seconds += measuring.seconds();
@@ -151,7 +155,12 @@ void MissionMetrics::AdoptScore() {
   coverage_.push_back(score_.coverage);
   step_.coverage_raw = score_.coverage_raw;
   step_.coverage = score_.coverage;
+  step_.coverage_outer = score_.coverage_outer;
   step_.coverage_of_attainable = score_.of_attainable;
+  if (score_.error.points > 0) {
+    step_.cloud_error_m_mean = score_.error.mean_m;
+    step_.cloud_error_m_p95 = score_.error.p95_m;
+  }
   step_.explored_m3 = score_.explored_m3;
   timing_.map_bytes = score_.map_bytes;
   timing_.metrics_ms = 1e3 * score_.seconds;
@@ -192,7 +201,7 @@ void MissionMetrics::ObserveWalk(const sim::WalkResult& walk, double wall_s) {
 
 RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const mapping::Mapper& mapper) {
   RunSummary& summary = *recorder_->mutable_summary();
-  const CloudError error = meter_->MeasureCloudError(scene_.object_box, surroundings_);
+  const CloudError error = meter_->MeasureCloudError(scene_.object_box);
   if (error.points > 0) {
     summary.cloud_error_m_mean = error.mean_m;
     summary.cloud_error_m_p95 = error.p95_m;
@@ -209,11 +218,10 @@ RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const map
   }
   const RunSummary result =
       recorder_->Finish(status, reason, simulator_->time_s(), distance_m_, wall_.seconds());
-  core::PointCloud cloud;
-  cloud.points = meter_->kept_points();
-  core::WritePly(options_.folder / "cloud.ply", cloud);
+  WriteScoredCloud(options_.folder / "cloud.ply", meter_->kept());
+  WriteAlignment(options_.folder / "alignment.txt", meter_->T_truth_cloud_counted());
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
-                            PartsCsv(truth_, attainable_, meter_->covered()));
+                            PartsCsv(truth_, attainable_, meter_->covered(), meter_->covered_outer()));
   mapper.Save(options_.folder);
   return result;
 }

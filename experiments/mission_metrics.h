@@ -32,7 +32,7 @@ class MissionMetrics {
 
   /// Samples what stands around the object, which the cloud's error leaves out.
   void SampleSurroundings();
-  void TakeCloud(const core::PointCloud& cloud);
+  void TakeCloud(const mapping::ReturnCloud& cloud);
   /// Scores all clouds so far.
   void ScoreClouds(const mapping::Mapper& mapper);
   /// The scan's row takes the score.
@@ -60,10 +60,10 @@ class MissionMetrics {
   std::vector<uint8_t> attainable_;
   std::unique_ptr<CoverageMeter> meter_;
   std::unique_ptr<ExploredVolume> volume_;  ///< of scenes to explore
-  std::vector<core::Vec3f> surroundings_;
   /// The meter's latest answers.
   struct Score {
-    double coverage = 0.0, coverage_raw = 0.0, of_attainable = 0.0;
+    double coverage = 0.0, coverage_raw = 0.0, coverage_outer = 0.0, of_attainable = 0.0;
+    CloudError error;
     double seconds = 0.0;  ///< wall-clock time since the last score
     size_t map_bytes = 0;
     std::optional<double> explored_m3 = {};

@@ -17,17 +17,17 @@ struct SensorFeed::Integration {
   Mapped mapped;
 
   /// One cloud point a cell, of all revolutions between two drains.
-  core::PointCloud Thin(const core::PointCloud& cloud) {
-    core::PointCloud kept;
-    for (const core::Vec3f& p : cloud.points) {
-      if (filter.Insert(p)) kept.points.push_back(p);
+  mapping::ReturnCloud Thin(const mapping::ReturnCloud& cloud) {
+    mapping::ReturnCloud kept;
+    for (size_t i = 0; i < cloud.points.size(); ++i) {
+      if (filter.Insert(cloud.points[i])) kept.Add(cloud.points[i], cloud.origins[i]);
     }
     return kept;
   }
 
   void Take(const core::Sweep& sweep) {
     const Stopwatch integrating;
-    const core::PointCloud cloud = Thin(mapper->Integrate(sweep));
+    const mapping::ReturnCloud cloud = Thin(mapper->Integrate(sweep));
     mapped.integration_s += integrating.seconds();
     mapped.cloud_points += cloud.points.size();
     on_cloud(cloud);

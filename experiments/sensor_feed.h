@@ -34,7 +34,7 @@ class SensorFeed : public core::SensorSink {
     kScanning,    ///< the revolutions of a scanning action, all under the localisation of its start
     kEverything,  ///< walking too, under the localisation of each revolution's time
   };
-  using OnCloud = std::function<void(const core::PointCloud& cloud_map)>;
+  using OnCloud = std::function<void(const mapping::ReturnCloud& cloud_map)>;
 
   /// All outlive this, `lanes` ends before them. `on_cloud` is called from tasks of kMapLane.
   SensorFeed(const SensorFeedParams& params, planner::ElevationMap* terrain, mapping::Mapper* mapper,

@@ -36,11 +36,22 @@ struct MapperParams {
   static IntegratorParams SweepDefaults();
 };
 
+/// LiDAR returns in the map frame, and where the sensor was at the time of each.
+struct ReturnCloud {
+  std::vector<core::Vec3f> points;
+  std::vector<core::Vec3f> origins;  ///< a point each
+
+  void Add(const core::Vec3f& point, const core::Vec3f& origin) {
+    points.push_back(point);
+    origins.push_back(origin);
+  }
+};
+
 class Mapper {
  public:
   virtual ~Mapper() = default;
   /// Integrates one sweep, spin by spin. Returns its filtered cloud in the map frame (thesis 3.3).
-  virtual core::PointCloud Integrate(const core::Sweep& sweep) = 0;
+  virtual ReturnCloud Integrate(const core::Sweep& sweep) = 0;
   /// Up to date with the last Integrate(). Between two calls of Integrate(), view(), queries on it and
   /// MapBytes() may be called by several threads at a time.
   virtual const OccupancyView& view() const = 0;
@@ -64,7 +75,7 @@ std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3&
 
 /// Undistorts the sweep: hits inside `region_map`, in the map frame by per-ray time (odom first, then map;
 /// thesis 3.3), isolated returns removed, at most one point a cell of `spacing_m`.
-core::PointCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& region_map, double max_range_m,
-                                 double spacing_m);
+ReturnCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& region_map, double max_range_m,
+                            double spacing_m);
 
 }  // namespace atlas::mapping

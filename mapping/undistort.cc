@@ -94,9 +94,9 @@ void VoxelFilter::Grow() {
   }
 }
 
-core::PointCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& region_map, double max_range_m,
-                                 double spacing_m) {
-  core::PointCloud cloud;
+ReturnCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& region_map, double max_range_m,
+                            double spacing_m) {
+  ReturnCloud cloud;
   VoxelFilter filter(spacing_m);
   UndistortedSpin spin;
   for (const core::SpinEvent& event : sweep.spins) {
@@ -104,7 +104,7 @@ core::PointCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& reg
     for (const MapRay& ray : spin.hits) {
       if (ray.range_m > static_cast<float>(max_range_m)) continue;
       const Vec3f p = ray.origin_map + ray.range_m * ray.direction_map;
-      if (region_map.Contains(p.cast<double>()) && filter.Insert(p)) cloud.points.push_back(p);
+      if (region_map.Contains(p.cast<double>()) && filter.Insert(p)) cloud.Add(p, ray.origin_map);
     }
   }
   return cloud;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 
 #include "core/errors.h"
@@ -32,16 +33,43 @@ constexpr float kLeastShare = 0.01f;
 /// truth (ground at its foot), whose hits count too.
 struct Targets {
   std::vector<Vec3f> p;
-  std::vector<Vec3f> normal;           ///< zero: seen from either side
+  std::vector<Vec3f> normal;           ///< zero: unknown
+  std::vector<uint8_t> two_sided;      ///< 1: seen from either side
   std::vector<uint32_t> bucket_begin;  ///< targets of one bucket are consecutive; one more at the end
 };
+
+/// The side of a cube that a normal points through, from 0 to 5.
+int CubeSide(const Vec3f& n) {
+  int axis = 0;
+  n.cwiseAbs().maxCoeff(&axis);
+  return 2 * axis + (n[axis] > 0.0f ? 1 : 0);
+}
+
+/// Thinned truth: of each cell one point for each side of a cube that its surfaces face, so that both faces
+/// of an edge or a thin plate have theirs.
+std::vector<uint32_t> ThinBySide(const scenes::GroundTruth& truth, double spacing_m) {
+  std::vector<uint32_t> side_index[6];
+  std::vector<Vec3f> side_points[6];
+  for (uint32_t i = 0; i < truth.points.size(); ++i) {
+    const auto side = static_cast<size_t>(CubeSide(truth.normals[i]));
+    side_index[side].push_back(i);
+    side_points[side].push_back(truth.points[i]);
+  }
+  std::vector<uint32_t> chosen;
+  for (size_t side = 0; side < 6; ++side) {
+    for (const uint32_t k : ThinIndices(side_points[side], spacing_m)) chosen.push_back(side_index[side][k]);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
 
 Targets ChooseTargets(const scenes::SceneSpec& scene, const scenes::GroundTruth& truth, const PointGrid& grid,
                       const AttainableOptions& options) {
   Targets chosen;
-  for (const uint32_t i : ThinIndices(truth.points, options.target_spacing_m)) {
+  for (const uint32_t i : ThinBySide(truth, options.target_spacing_m)) {
     chosen.p.push_back(truth.points[i]);
     chosen.normal.push_back(truth.normals[i]);
+    chosen.two_sided.push_back(truth.two_sided.empty() ? 0 : truth.two_sided[i]);
   }
   core::Box3 box;
   for (const Vec3f& p : truth.points) box.Extend(p.cast<double>());
@@ -52,6 +80,7 @@ Targets ChooseTargets(const scenes::SceneSpec& scene, const scenes::GroundTruth&
     if (grid.Nearest(others[i], static_cast<float>(options.radius_m), &distance) < 0) continue;
     chosen.p.push_back(others[i]);
     chosen.normal.push_back(Vec3f::Zero());
+    chosen.two_sided.push_back(1);
   }
   // Bring the targets of one bucket together.
   const PointGrid buckets(chosen.p, kBucketM);
@@ -64,6 +93,7 @@ Targets ChooseTargets(const scenes::SceneSpec& scene, const scenes::GroundTruth&
     for (uint32_t k = begin; k < end; ++k) {
       sorted.p.push_back(buckets.entries()[k].p);
       sorted.normal.push_back(chosen.normal[buckets.entries()[k].index]);
+      sorted.two_sided.push_back(chosen.two_sided[buckets.entries()[k].index]);
     }
   }
   sorted.bucket_begin.push_back(static_cast<uint32_t>(sorted.p.size()));
@@ -151,13 +181,13 @@ class Search {
     if (distance_sq > reach * reach) return;
     // Cheap first look from the level sensor, widened by how far a roll may carry it.
     const Vec3f& n = targets_.normal[k];
-    const bool faces = !n.isZero();
-    if (faces && n.dot(back) < -static_cast<float>(aim_.sensor_reach_m())) return;
+    if (targets_.two_sided[k] == 0 && n.dot(back) < -static_cast<float>(aim_.sensor_reach_m())) return;
     Aim aim{.shot = {}, .target = k, .bucket = bucket, .expected = 0.0f};
     if (!aim_.At(position.ground, targets_.p[k], variant, &aim.shot)) return;
     const float d = aim.shot.distance_m;
     if (d < min_range_m_ || d > max_range_m_) return;
-    const float cosine = faces ? -n.dot(aim.shot.direction) : 1.0f;
+    float cosine = -n.dot(aim.shot.direction);
+    if (targets_.two_sided[k] != 0) cosine = n.isZero() ? 1.0f : std::abs(cosine);
     aim.expected = rays_times_sq_ * cosine / (d * d);
     if (aim.expected < kLeastShare * min_rays_) return;
     aims->push_back(aim);
@@ -204,18 +234,28 @@ class Search {
     rays_ += rays.size();
   }
 
+  /// All that met a sample count once it is closed, each from where it was seen.
   void Score(CoverageScorer* scorer) {
-    std::vector<Vec3f> hits;
+    mapping::ReturnCloud hits;
     for (size_t i = 0; i < aims_.size(); ++i) {
       if (range_[i] < min_range_m_) continue;
       const Aim& aim = aims_[i];
       if (std::abs(range_[i] - aim.shot.distance_m) > kMetWithinM || !Open(aim.target)) continue;
       met_from_[aim.target] = position_;
       expected_[aim.target] += aim.expected;
-      if (!Open(aim.target)) hits.push_back(aim.shot.origin + range_[i] * aim.shot.direction);
+      const Vec3f hit = aim.shot.origin + range_[i] * aim.shot.direction;
+      if (Open(aim.target)) {
+        waiting_[aim.target].Add(hit, aim.shot.origin);
+      } else {
+        hits.Add(hit, aim.shot.origin);
+        if (const auto waiting = waiting_.extract(aim.target)) {
+          const mapping::ReturnCloud& earlier = waiting.mapped();
+          for (size_t k = 0; k < earlier.points.size(); ++k) hits.Add(earlier.points[k], earlier.origins[k]);
+        }
+      }
       if (yielding_.empty() || yielding_.back() != aim.bucket) yielding_.push_back(aim.bucket);
     }
-    scorer->AddPoints(hits, core::Pose::Identity());
+    scorer->AddReturns(hits.points, hits.origins, core::Pose::Identity());
   }
 
   const Targets& targets_;
@@ -227,6 +267,7 @@ class Search {
   float min_rays_;
   std::vector<uint32_t> met_from_;  // the latest position that met each target, from 1
   uint32_t position_ = 0;
+  std::unordered_map<uint32_t, mapping::ReturnCloud> waiting_;  // hits on targets that are open still
   std::vector<float> expected_;  // rays within the radius of each target, of all positions so far
   std::vector<uint32_t> open_;   // buckets with open samples
   std::vector<Aim> aims_;
@@ -263,7 +304,7 @@ Attainable ComputeAttainable(const scenes::SceneSpec& scene, const scenes::Groun
   const auto grid = std::make_shared<const PointGrid>(truth.points, 2.0 * options.radius_m);
   const Targets targets = ChooseTargets(scene, truth, *grid, options);
   const SweepAim aim(robot, lidar, options.headings, core::Radians(options.sweep_roll_deg));
-  CoverageScorer scorer(grid, options.radius_m);
+  CoverageScorer scorer(grid, truth, options.radius_m);
   Search search(targets, aim, aim.RaysPerSteradian(lidar, options.headings, options.sweep_period_s),
                 std::min(options.max_range_m, lidar.max_range_m), lidar.min_range_m, options, cast);
   for (size_t i = 0; i < positions.size(); ++i) {

@@ -1,13 +1,13 @@
 // What a run could have covered at best: the ceiling that coverage is held against.
 //
-// The same scorer (coverage.h) is fed the hits of noise-free sweeps from every point of a 0.5 m lattice over
-// the truly reachable set (reachable.h), at eight headings. Casting those sweeps whole would take some 10^10
-// rays, so rays are aimed: at each position only at those truth samples that are still open, where some
-// heading's sweep sends beams (roll range, beam elevations, range limits). Each aimed ray leaves from where
-// the sensor is when its roll brings a beam onto the sample. One that truly meets its sample adds the rays
-// that the position's sweeps are expected to put within the scoring radius; once those of all positions
-// together make `min_rays`, a return in the union is nearly certain, the sample's hit is scored, and it is
-// closed.
+// The scorer of coverage_outer (coverage.h: returns from the outer side) is fed the hits of noise-free sweeps
+// from every point of a 0.5 m lattice over the truly reachable set (reachable.h), at eight headings. Casting
+// those sweeps whole would take some 10^10 rays, so rays are aimed: at each position only at those truth
+// samples that are still open, where some heading's sweep sends beams (roll range, beam elevations, range
+// limits). Each aimed ray leaves from where the sensor is when its roll brings a beam onto the sample. One
+// that truly meets its sample adds the rays that the position's sweeps are expected to put within the scoring
+// radius; once those of all positions together make `min_rays`, a return in the union is nearly certain, the
+// sample's hit is scored, and it is closed.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@ namespace atlas::experiments {
 namespace {
 
 constexpr uint64_t kMagic = 0x316e69617474411aull;  // changes with the meaning of the file or of the method
-constexpr uint64_t kMethod = 4;
+constexpr uint64_t kMethod = 5;
 
 struct Header {
   uint64_t magic, key, points, positions, rays;
@@ -57,6 +57,7 @@ uint64_t AttainableKey(const scenes::SceneSpec& scene, const scenes::GroundTruth
   }
   numbers(truth.points);
   numbers(truth.normals);
+  numbers(truth.two_sided);
   pose(robot.T_base_lidar);
   for (const double v :
        {robot.stance_height_m, robot.footprint_radius_m, robot.body_top_m, robot.max_step_m}) {

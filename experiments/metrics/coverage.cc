@@ -15,7 +15,8 @@ using core::Vec3;
 using core::Vec3f;
 
 constexpr float kErrorLimitM = 0.5f;
-constexpr size_t kErrorSamples = 200000;
+constexpr size_t kErrorSamples = 50000;
+constexpr double kSurroundingsCellM = 0.1;
 
 Box3 BoundsOf(const std::vector<Vec3f>& points) {
   Box3 box;
@@ -54,6 +55,14 @@ CoverageScorer::CoverageScorer(std::shared_ptr<const PointGrid> truth, double ra
   Reset();
 }
 
+CoverageScorer::CoverageScorer(std::shared_ptr<const PointGrid> truth, const scenes::GroundTruth& sides,
+                               double radius_m)
+    : CoverageScorer(std::move(truth), radius_m) {
+  assert(sides.normals.size() == entries_.size());
+  assert(sides.two_sided.empty() || sides.two_sided.size() == entries_.size());
+  sides_ = &sides;
+}
+
 void CoverageScorer::Reset() {
   entries_ = grid_->entries();
   unmarked_.resize(grid_->cell_count());
@@ -66,17 +75,36 @@ void CoverageScorer::Reset() {
 }
 
 void CoverageScorer::AddPoints(std::span<const Vec3f> points, const Pose& T) {
+  assert(sides_ == nullptr);
   if (entries_.empty()) return;
+  const auto any = [](const PointGrid::Entry&) { return true; };
   if (T.matrix() == Pose::Identity().matrix()) {
-    for (const Vec3f& p : points) MarkAround(p);
+    for (const Vec3f& p : points) MarkAround(p, any);
     return;
   }
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Vec3f t = T.translation().cast<float>();
-  for (const Vec3f& p : points) MarkAround(R * p + t);
+  for (const Vec3f& p : points) MarkAround(R * p + t, any);
 }
 
-void CoverageScorer::MarkAround(const Vec3f& p) {
+void CoverageScorer::AddReturns(std::span<const Vec3f> points, std::span<const Vec3f> origins,
+                                const Pose& T) {
+  assert(points.size() == origins.size());
+  if (sides_ == nullptr) return AddPoints(points, T);
+  if (entries_.empty()) return;
+  const Eigen::Matrix3f R = T.linear().cast<float>();
+  const Vec3f t = T.translation().cast<float>();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vec3f origin = R * origins[i] + t;
+    MarkAround(R * points[i] + t, [&](const PointGrid::Entry& q) {
+      if (!sides_->two_sided.empty() && sides_->two_sided[q.index] != 0) return true;
+      return sides_->normals[q.index].dot(origin - q.p) > 0.0f;
+    });
+  }
+}
+
+template <typename Counts>
+void CoverageScorer::MarkAround(const Vec3f& p, const Counts& counts) {
   PointGrid::CellRange range;
   const float radius = static_cast<float>(radius_m_);
   if (!grid_->CellsAround(p, radius, &range)) return;
@@ -90,7 +118,7 @@ void CoverageScorer::MarkAround(const Vec3f& p) {
         const uint32_t begin = grid_->CellBegin(cell);
         for (uint32_t i = 0; i < unmarked;) {
           PointGrid::Entry& entry = entries_[begin + i];
-          if ((entry.p - p).squaredNorm() > radius_sq) {
+          if ((entry.p - p).squaredNorm() > radius_sq || !counts(entry)) {
             ++i;
             continue;
           }
@@ -136,42 +164,54 @@ CoverageMeter::CoverageMeter(const scenes::GroundTruth& truth, const Options& op
       truth_box_(BoundsOf(truth.points)),
       grid_(std::make_shared<PointGrid>(truth.points, 2.0 * options.radius_m)),
       raw_(grid_, options.radius_m),
-      aligned_(grid_, options.radius_m) {
+      aligned_(grid_, options.radius_m),
+      outer_(grid_, truth, options.radius_m) {
   assert(truth.normals.size() == truth.points.size());
 }
 
-void CoverageMeter::Take(const core::PointCloud& cloud) {
-  raw_.AddCloud(cloud);
-  const size_t counted = kept_.size();
+void CoverageMeter::Take(const mapping::ReturnCloud& cloud) {
+  raw_.AddPoints(cloud.points, Pose::Identity());
+  const size_t counted = kept_.points.size();
   const Box3 box = truth_box_.Inflated(options_.keep_margin_m);
-  for (const Vec3f& p : cloud.points) {
-    if (box.Contains(p.cast<double>())) kept_.push_back(p);
+  for (size_t i = 0; i < cloud.points.size(); ++i) {
+    if (box.Contains(cloud.points[i].cast<double>())) kept_.Add(cloud.points[i], cloud.origins[i]);
   }
-  aligned_.AddPoints(std::span<const Vec3f>(kept_).subspan(counted), T_counted_);
+  Count(counted);
+}
+
+void CoverageMeter::Count(size_t first) {
+  const auto points = std::span<const Vec3f>(kept_.points).subspan(first),
+             origins = std::span<const Vec3f>(kept_.origins).subspan(first);
+  aligned_.AddPoints(points, T_counted_);
+  outer_.AddReturns(points, origins, T_counted_);
 }
 
 void CoverageMeter::Align() {
-  T_truth_cloud_ = AlignToTruth(kept_, *grid_, truth_.points, truth_.normals, T_truth_cloud_, AlignOptions{})
-                       .T_truth_cloud;
+  T_truth_cloud_ =
+      AlignToTruth(kept_.points, *grid_, truth_.points, truth_.normals, T_truth_cloud_, AlignOptions{})
+          .T_truth_cloud;
   if (CornerMotion(truth_box_, T_truth_cloud_, T_counted_) <= options_.recount_above_m) return;
   aligned_.Reset();
+  outer_.Reset();
   T_counted_ = T_truth_cloud_;
-  aligned_.AddPoints(kept_, T_counted_);
+  Count(0);
 }
 
-CloudError CoverageMeter::MeasureCloudError(const Box3& object_box,
-                                            const std::vector<Vec3f>& background) const {
-  const PointGrid others(background, 0.1);
+void CoverageMeter::SetSurroundings(const std::vector<Vec3f>& points) {
+  surroundings_ = PointGrid(points, kSurroundingsCellM);
+}
+
+CloudError CoverageMeter::MeasureCloudError(const Box3& object_box) const {
   const Eigen::Matrix3f R = T_truth_cloud_.linear().cast<float>();
   const Vec3f t = T_truth_cloud_.translation().cast<float>();
   std::vector<double> errors;
-  const size_t stride = std::max<size_t>(1, kept_.size() / kErrorSamples);
-  for (size_t i = 0; i < kept_.size(); i += stride) {
-    if (!object_box.Contains(kept_[i].cast<double>())) continue;
-    const Vec3f p = R * kept_[i] + t;
+  const size_t stride = std::max<size_t>(1, kept_.points.size() / kErrorSamples);
+  for (size_t i = 0; i < kept_.points.size(); i += stride) {
+    if (!object_box.Contains(kept_.points[i].cast<double>())) continue;
+    const Vec3f p = R * kept_.points[i] + t;
     float to_object = kErrorLimitM, to_other = kErrorLimitM;
     const int64_t nearest = grid_->Nearest(p, kErrorLimitM, &to_object);
-    if (others.Nearest(p, to_object, &to_other) >= 0 && to_other < to_object) continue;
+    if (surroundings_.Nearest(p, to_object, &to_other) >= 0 && to_other < to_object) continue;
     const size_t q = static_cast<size_t>(nearest);
     errors.push_back(nearest < 0 ? kErrorLimitM
                                  : SurfaceDistance(p, truth_.points[q], truth_.normals[q], to_object));

@@ -1,5 +1,17 @@
 // Point cloud coverage (thesis Eq. 3.9): the share of ground-truth points with an accumulated-cloud point
 // within a radius, 4.3 cm for the object scenes.
+//
+// Eq. 3.9 also counts what no beam ever met: the far face of a plate thinner than the radius, and the thicker
+// a noisy cloud, the more of it. So coverage is counted by a second rule besides, `coverage_outer`: only
+// returns count that were seen from the outer side of the truth point's surface,
+//
+//        o  sensor            n . (o - q) > 0     q truth, n its outer normal, o where the sensor was
+//         \        n          |p - q| <= radius   p the return
+//          \       |
+//     ------p------q------    outer face
+//     -------------q'-----    inner face: o lies behind its plane, so p does not count for q'
+//
+// Truth on a sheet that encloses no volume has no outer side; returns from either count.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +22,7 @@
 #include "core/geometry.h"
 #include "core/mesh.h"
 #include "experiments/metrics/point_grid.h"
+#include "mapping/mapper.h"
 #include "scenes/catalog.h"
 #include "scenes/scene_spec.h"
 
@@ -27,10 +40,15 @@ class CoverageScorer {
   CoverageScorer(const std::vector<core::Vec3f>& truth_points, double radius_m);
   /// Scores against points already bucketed with cells of twice the radius.
   CoverageScorer(std::shared_ptr<const PointGrid> truth, double radius_m);
+  /// As above, by the outer side: keeps a reference to `sides`, whose points `truth` holds.
+  CoverageScorer(std::shared_ptr<const PointGrid> truth, const scenes::GroundTruth& sides, double radius_m);
 
   void AddCloud(const core::PointCloud& cloud) { AddPoints(cloud.points, core::Pose::Identity()); }
-  /// Adds points moved by `T`.
+  /// Adds points moved by `T`. @pre does not score by the outer side
   void AddPoints(std::span<const core::Vec3f> points, const core::Pose& T);
+  /// Adds returns moved by `T`, each with the sensor's place. @pre equally many of both
+  void AddReturns(std::span<const core::Vec3f> points, std::span<const core::Vec3f> origins,
+                  const core::Pose& T);
   /// Forgets all clouds.
   void Reset();
 
@@ -43,9 +61,11 @@ class CoverageScorer {
   const std::shared_ptr<const PointGrid>& grid() const { return grid_; }
 
  private:
-  void MarkAround(const core::Vec3f& p);
+  template <typename Counts>
+  void MarkAround(const core::Vec3f& p, const Counts& counts);
 
   double radius_m_;
+  const scenes::GroundTruth* sides_ = nullptr;  // where the outer side decides
   std::shared_ptr<const PointGrid> grid_;
   std::vector<PointGrid::Entry> entries_;  // each cell's unmarked points first
   std::vector<uint32_t> unmarked_;         // how many those are, by cell
@@ -75,7 +95,7 @@ struct CloudError {
   double p95_m = 0.0;
 };
 
-/// Raw and aligned coverage of one run's accumulated cloud, scan by scan.
+/// Coverage of one run's accumulated cloud, scan by scan: raw, aligned, and aligned by the outer side.
 ///
 /// Aligned: the whole accumulated cloud is moved by the one small rigid transform that best fits it to the
 /// truth (experiments/metrics/align.h) and scored again. It is recounted in full whenever the transform has
@@ -92,40 +112,48 @@ class CoverageMeter {
   /// Keeps a reference to `truth`. @pre truth has a normal a point
   CoverageMeter(const scenes::GroundTruth& truth, const Options& options);
 
-  /// Adds a sweep's filtered cloud (map frame) and scores both ways.
-  void AddCloud(const core::PointCloud& cloud) {
+  /// Adds a sweep's filtered cloud (map frame) and scores it.
+  void AddCloud(const mapping::ReturnCloud& cloud) {
     Take(cloud);
     Align();
   }
   /// AddCloud in two: any number of clouds, scored under the latest fit; then the fit of all and its score.
-  void Take(const core::PointCloud& cloud);
+  void Take(const mapping::ReturnCloud& cloud);
   void Align();
 
   double coverage_raw() const { return raw_.coverage_raw(); }
   double coverage() const { return aligned_.coverage_raw(); }
+  double coverage_outer() const { return outer_.coverage_raw(); }
   const std::vector<uint8_t>& covered() const { return aligned_.covered(); }
   const std::vector<uint8_t>& covered_raw() const { return raw_.covered(); }
-  /// Takes points of the accumulated cloud to the truth.
+  const std::vector<uint8_t>& covered_outer() const { return outer_.covered(); }
+  /// Takes points of the accumulated cloud to the truth: the latest fit.
   const core::Pose& T_truth_cloud() const { return T_truth_cloud_; }
-  /// Accumulated points near the truth's box, as measured.
-  const std::vector<core::Vec3f>& kept_points() const { return kept_; }
+  /// The fit that coverage was counted under, within recount_above_m of the latest.
+  const core::Pose& T_truth_cloud_counted() const { return T_counted_; }
+  /// Accumulated returns near the truth's box, as measured.
+  const mapping::ReturnCloud& kept() const { return kept_; }
 
-  /// Distance of the accumulated points inside `object_box` to the truth's surface, after alignment. A point
-  /// that lies nearer to `background` (the scene's other surfaces, sampled) belongs there and is left out;
-  /// distances end at 0.5 m.
-  CloudError MeasureCloudError(const core::Box3& object_box,
-                               const std::vector<core::Vec3f>& background) const;
+  /// The scene's other surfaces, sampled: what lies nearer to them than to the truth belongs there.
+  void SetSurroundings(const std::vector<core::Vec3f>& points);
+  /// Distance of the accumulated points inside `object_box` to the truth's surface, after alignment, over an
+  /// even choice of 50,000. Points that belong to the surroundings are left out; distances end at 0.5 m.
+  CloudError MeasureCloudError(const core::Box3& object_box) const;
 
  private:
+  /// Counts the kept returns from `first` on, under T_counted_.
+  void Count(size_t first);
+
   const scenes::GroundTruth& truth_;
   Options options_;
   core::Box3 truth_box_;
   std::shared_ptr<const PointGrid> grid_;
   CoverageScorer raw_;
-  CoverageScorer aligned_;
+  CoverageScorer aligned_, outer_;
+  PointGrid surroundings_{{}, 0.1};
   core::Pose T_truth_cloud_ = core::Pose::Identity();  // latest fit
-  core::Pose T_counted_ = core::Pose::Identity();      // fit that aligned_ was counted under
-  std::vector<core::Vec3f> kept_;
+  core::Pose T_counted_ = core::Pose::Identity();      // fit that aligned_ and outer_ were counted under
+  mapping::ReturnCloud kept_;
 };
 
 }  // namespace atlas::experiments

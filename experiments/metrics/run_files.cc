@@ -15,8 +15,8 @@ namespace {
 using core::InputError;
 
 constexpr std::string_view kStepsHeader =
-    "scan,sim_time_s,distance_m,x_m,y_m,z_m,yaw_rad,coverage_raw,coverage,coverage_of_attainable,cloud_"
-    "points,"
+    "scan,sim_time_s,distance_m,x_m,y_m,z_m,yaw_rad,coverage_raw,coverage,coverage_outer,coverage_of_"
+    "attainable,cloud_error_m_mean,cloud_error_m_p95,cloud_points,"
     "new_surface_voxels,outcome,candidates,nodes,rays,gain,utility,utility_ratio,path_length_m,falls,"
     "collisions,"
     "shank_brushes,footholds,footholds_off_solid,worst_foot_drop_m,explored_m3\n";
@@ -84,19 +84,22 @@ std::string_view NameOf(planner::LossReason reason) {
 }
 
 std::string StepsCsv(const std::vector<StepRow>& steps) {
+  const auto cell = [](const std::optional<double>& value, int digits) {
+    return value ? fmt::format("{:.{}f}", *value, digits) : std::string();
+  };
   std::string csv(kStepsHeader);
   for (const StepRow& s : steps) {
     const core::Vec3& p = s.T_map_base.translation();
-    const std::string share =
-        s.coverage_of_attainable ? fmt::format("{:.6f}", *s.coverage_of_attainable) : std::string();
-    const std::string explored = s.explored_m3 ? fmt::format("{:.3f}", *s.explored_m3) : std::string();
-    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{},{},{},{},{},{},{},",
-                       s.scan, s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(),
-                       core::YawOf(s.T_map_base.linear()), s.coverage_raw, s.coverage, share, s.cloud_points,
-                       s.new_surface_voxels, s.outcome, s.candidates, s.nodes, s.rays);
+    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{:.6f},{},{},{},", s.scan,
+                       s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(), core::YawOf(s.T_map_base.linear()),
+                       s.coverage_raw, s.coverage, s.coverage_outer, cell(s.coverage_of_attainable, 6),
+                       cell(s.cloud_error_m_mean, 6), cell(s.cloud_error_m_p95, 6));
+    csv += fmt::format("{},{},{},{},{},{},", s.cloud_points, s.new_surface_voxels, s.outcome, s.candidates,
+                       s.nodes, s.rays);
     csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{:.4f},{}\n", s.gain, s.utility,
                        s.utility_ratio, s.path_length_m, CountText(s.falls), CountText(s.collisions),
-                       s.shank_brushes, s.footholds, s.footholds_off_solid, s.worst_foot_drop_m, explored);
+                       s.shank_brushes, s.footholds, s.footholds_off_solid, s.worst_foot_drop_m,
+                       cell(s.explored_m3, 3));
   }
   return csv;
 }

@@ -36,17 +36,20 @@ std::optional<double> TimeToReach(const std::vector<StepRow>& steps, double shar
 }
 
 std::string CoveragePicture(const std::vector<StepRow>& steps, const RunSummary& summary) {
-  PlotSeries aligned{.label = "coverage (Eq. 3.9)"}, share{.label = "share of the attainable"};
+  PlotSeries aligned{.label = "coverage (Eq. 3.9)"}, outer{.label = "from the outer side"},
+      share{.label = "share of the attainable"};
   PlotSeries ceiling{.label = "attainable", .dashed = true, .markers = false};
   for (const StepRow& step : steps) {
     aligned.x.push_back(step.scan);
     aligned.y.push_back(100.0 * step.coverage);
+    outer.x.push_back(step.scan);
+    outer.y.push_back(100.0 * step.coverage_outer);
     if (step.coverage_of_attainable) {
       share.x.push_back(step.scan);
       share.y.push_back(100.0 * *step.coverage_of_attainable);
     }
   }
-  std::vector<PlotSeries> series = {aligned};
+  std::vector<PlotSeries> series = {aligned, outer};
   if (!share.x.empty()) series.push_back(share);
   if (summary.coverage_attainable && !steps.empty()) {
     ceiling.x = {1.0, static_cast<double>(std::max<size_t>(steps.size(), 2))};
@@ -115,6 +118,7 @@ void RunRecorder::Summarise() {
   const StepRow& last = steps_.back();
   summary_.coverage = last.coverage;
   summary_.coverage_raw = last.coverage_raw;
+  summary_.coverage_outer = last.coverage_outer;
   summary_.coverage_of_attainable = last.coverage_of_attainable;
   if (last.falls) summary_.falls = std::max<double>(summary_.falls.value_or(0.0), *last.falls);
   if (last.collisions) {

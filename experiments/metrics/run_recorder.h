@@ -23,11 +23,13 @@ struct StepRow {
   double distance_m = 0.0;                         ///< walked so far by the true base
   core::Pose T_map_base = core::Pose::Identity();  ///< estimate the sweep was taken under
   double coverage_raw = 0.0;
-  double coverage = 0.0;  ///< aligned, thesis Eq. 3.9
+  double coverage = 0.0;        ///< aligned, thesis Eq. 3.9
+  double coverage_outer = 0.0;  ///< aligned, by returns from the outer side
   std::optional<double> coverage_of_attainable;
-  size_t cloud_points = 0;        ///< of this sweep's filtered cloud
-  size_t new_surface_voxels = 0;  ///< newly occupied
-  std::string outcome;            ///< view | gain_exhausted | no_candidates | no_path | budget | ...
+  std::optional<double> cloud_error_m_mean, cloud_error_m_p95;  ///< of the cloud so far, aligned
+  size_t cloud_points = 0;                                      ///< of this sweep's filtered cloud
+  size_t new_surface_voxels = 0;                                ///< newly occupied
+  std::string outcome;  ///< view | gain_exhausted | no_candidates | no_path | budget | ...
   int candidates = 0;
   int nodes = 0;
   size_t rays = 0;

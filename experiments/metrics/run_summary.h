@@ -39,7 +39,7 @@ int ExitCodeOf(RunStatus status);
 #define ATLAS_SUMMARY_TEXT(X) X(experiment) X(scene) X(robot) X(locomotion) X(odometry) X(mapper) X(planner) X(gain)
 #define ATLAS_SUMMARY_TEXT_MORE(X) X(worth) X(deviations) X(version) X(commit) X(config_hash) X(scene_hash) X(robot_hash) X(render_backend)
 #define ATLAS_SUMMARY_NUMBERS(X)                                                                           \
-  X(coverage) X(coverage_raw) X(coverage_attainable) X(coverage_of_attainable)                             \
+  X(coverage) X(coverage_raw) X(coverage_outer) X(coverage_attainable) X(coverage_of_attainable)           \
   X(travel_distance_m) X(scans) X(sim_time_s) X(wall_time_s) X(real_time_factor)                           \
   X(nbv_time_s_mean) X(nbv_time_s_p95) X(integration_ms_mean) X(integration_ms_p95)                        \
   X(map_bytes) X(peak_rss_bytes) X(submaps) X(falls) X(collisions)                                         \
@@ -50,8 +50,11 @@ int ExitCodeOf(RunStatus status);
 
 /// `gain` is the information gain that the planner was given; `worth`, where that alone does not decide, says
 /// what does; `deviations` (joined by "; ") where a run of the thesis's planner does otherwise than the
-/// thesis. SI units; shares in [0, 1]. t50_s, t90_s, t95_s: simulated time at which coverage_of_attainable
-/// reached 0.50, 0.90 and 0.95. Numbers that count (scans, bytes, falls) are written as integers.
+/// thesis. SI units; shares in [0, 1]. coverage: Eq. 3.9, aligned (coverage_raw: not); coverage_outer: by
+/// returns from the outer side only (coverage.h). coverage_attainable: coverage_outer's ceiling;
+/// coverage_of_attainable: the share of what is attainable that was covered from its outer side. t50_s,
+/// t90_s, t95_s: simulated time at which coverage_of_attainable reached 0.50, 0.90 and 0.95. Numbers that
+/// count (scans, bytes, falls) are written as integers.
 struct RunSummary {
 #define X(key) std::string key;
   ATLAS_SUMMARY_TEXT(X)

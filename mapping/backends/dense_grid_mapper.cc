@@ -32,7 +32,7 @@ class DenseGridMapper : public Mapper {
     clamp_max_ = LogOdds(params.clamp_max);
   }
 
-  core::PointCloud Integrate(const core::Sweep& sweep) override {
+  ReturnCloud Integrate(const core::Sweep& sweep) override {
     SweepCloud cloud(params_, grid_.region());
     UndistortedSpin spin;
     for (const core::SpinEvent& event : sweep.spins) {

@@ -31,7 +31,7 @@ class OctomapMapper : public Mapper {
     tree_.setClampingThresMax(params.clamp_max);
   }
 
-  core::PointCloud Integrate(const core::Sweep& sweep) override {
+  ReturnCloud Integrate(const core::Sweep& sweep) override {
     SweepCloud cloud(params_, view_.region());
     UndistortedSpin spin;
     for (const core::SpinEvent& event : sweep.spins) {

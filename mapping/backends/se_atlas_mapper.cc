@@ -49,7 +49,7 @@ class SeAtlasMapper : public Mapper {
     }
   }
 
-  core::PointCloud Integrate(const core::Sweep& sweep) override {
+  ReturnCloud Integrate(const core::Sweep& sweep) override {
     SweepCloud cloud(params_, grid_.region());
     UndistortedSpin spin;
     for (const core::SpinEvent& event : sweep.spins) {

@@ -22,14 +22,14 @@ class SweepCloud {
       if (ray.range_m > max_range_m_) continue;
       const core::Vec3f p = ray.origin_map + ray.range_m * ray.direction_map;
       if ((p.array() < region_min_.array()).any() || (p.array() > region_max_.array()).any()) continue;
-      if (filter_.Insert(p)) cloud_.points.push_back(p);
+      if (filter_.Insert(p)) cloud_.Add(p, ray.origin_map);
     }
   }
-  core::PointCloud Take() { return std::move(cloud_); }
+  ReturnCloud Take() { return std::move(cloud_); }
 
  private:
   VoxelFilter filter_;
-  core::PointCloud cloud_;
+  ReturnCloud cloud_;
   float max_range_m_;
   core::Vec3f region_min_, region_max_;
 };

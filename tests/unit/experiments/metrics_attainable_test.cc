@@ -211,9 +211,9 @@ TEST(Attainable, ABoxInTheOpenShowsItsSidesAndHidesItsHighTop) {
                                            world.Caster(), nullptr);
   const std::vector<PartCoverage> faces = CoverageByPart(truth, set.attainable);
   for (int side = 0; side < 4; ++side) EXPECT_GT(faces[static_cast<size_t>(side)].share(), 0.999);
-  // Of the top only the rim within the scoring radius of a side: 2 x 0.043 of each length.
-  EXPECT_NEAR(faces[5].share(), 1.0 - (1.0 - 0.086) * (0.8 - 0.086) / 0.8, 0.02);
-  EXPECT_LT(faces[4].share(), 0.35);  // underneath: what touches the ground near the foot
+  // The top lies above the sensor, the bottom on the ground: no return comes from their outer side.
+  EXPECT_EQ(faces[5].share(), 0.0);
+  EXPECT_EQ(faces[4].share(), 0.0);
 }
 
 TEST(Attainable, EqualsTheUnionOfDenseSweeps) {
@@ -226,7 +226,8 @@ TEST(Attainable, EqualsTheUnionOfDenseSweeps) {
   const Attainable set =
       ComputeAttainable(world.scene, truth, robot, lidar, options, world.Caster(), nullptr);
 
-  CoverageScorer scorer(truth.points, options.radius_m);
+  CoverageScorer scorer(std::make_shared<PointGrid>(truth.points, 2.0 * options.radius_m), truth,
+                        options.radius_m);
   const ReachableSet reachable = ReachableForScanning(world.scene, robot, lidar, options);
   const std::vector<Vec3> positions =
       LatticePositions(reachable, world.scene.T_map_spawn.translation(), options.lattice_m);
@@ -234,7 +235,7 @@ TEST(Attainable, EqualsTheUnionOfDenseSweeps) {
   EXPECT_EQ(set.positions, positions.size());
   const int rolls = 60;
   for (const Vec3& ground : positions) {
-    core::PointCloud hits;
+    mapping::ReturnCloud hits;
     for (int heading = 0; heading < 8; ++heading) {
       for (int k = 0; k < rolls; ++k) {
         const double roll = core::Radians(-40.0 + 80.0 * (k + 0.5) / rolls);
@@ -250,12 +251,12 @@ TEST(Attainable, EqualsTheUnionOfDenseSweeps) {
             const core::Ray ray{T_map_lidar.translation().cast<float>(),
                                 (T_map_lidar.linear() * d).cast<float>()};
             const float range = world.RangeOf(ray, 20.0f);
-            if (range >= lidar.min_range_m) hits.points.push_back(ray.origin + range * ray.direction);
+            if (range >= lidar.min_range_m) hits.Add(ray.origin + range * ray.direction, ray.origin);
           }
         }
       }
     }
-    scorer.AddCloud(hits);
+    scorer.AddReturns(hits.points, hits.origins, Pose::Identity());
   }
   size_t differ = 0, missed = 0;
   for (size_t i = 0; i < truth.points.size(); ++i) {
@@ -316,6 +317,42 @@ TEST(Attainable, ExpectedRaysOfAllPositionsAddUp) {
   };
   EXPECT_TRUE(attainable(0.8 * sum));
   EXPECT_FALSE(attainable(1.25 * sum));
+}
+
+/// A tower in a yard: the robot cannot back away, so only a rolled sensor sees how high it is.
+BoxWorld TowerInAYard() {
+  BoxWorld world;
+  world.Add({-2.2, -2.2, -0.5}, {2.2, 2.2, 0});
+  world.Add({-0.3, -0.3, 0}, {0.3, 0.3, 4.0}, true);
+  world.Add({-2.3, -2.3, 0}, {-2.2, 2.3, 5.0});
+  world.Add({2.2, -2.3, 0}, {2.3, 2.3, 5.0});
+  world.Add({-2.2, -2.3, 0}, {2.2, -2.2, 5.0});
+  world.Add({-2.2, 2.2, 0}, {2.2, 2.3, 5.0});
+  world.scene.T_map_spawn = core::PoseFromXyzYaw({-1.3, 0.0, 0.0}, 0.0);
+  return world;
+}
+
+TEST(Attainable, AYardShowsAsMuchOfItsTowerAsTheRollLets) {
+  const BoxWorld world = TowerInAYard();
+  const scenes::GroundTruth truth = world.Truth(0.02);
+  const auto highest = [&](double roll_deg, const std::string& lidar) {
+    AttainableOptions options;
+    options.sweep_roll_deg = roll_deg;
+    options.lattice_m = 0.3;
+    const Attainable set = ComputeAttainable(world.scene, truth, TestRobot(), core::FindLidarModel(lidar),
+                                             options, world.Caster(), nullptr);
+    float top = 0.0f;
+    for (size_t i = 0; i < truth.points.size(); ++i) {
+      if (set.attainable[i] != 0) top = std::max(top, truth.points[i].z());
+    }
+    return top;
+  };
+  // Level, a VLP-16 looks 15 degrees up; from at most 2.5 m away that is 0.7 m above the sensor.
+  const float level = highest(0.0, "vlp16"), rolled = highest(20.0, "vlp16"), far = highest(40.0, "vlp16");
+  EXPECT_LT(level, 1.6f);
+  EXPECT_GT(rolled, level + 0.4f);
+  EXPECT_GT(far, rolled + 0.4f);
+  EXPECT_GT(highest(0.0, "os0_64"), level + 0.4f);  // looks 45 degrees up
 }
 
 TEST(Attainable, DoesNotDependOnTheNumberOfThreads) {
@@ -387,6 +424,12 @@ TEST_F(AttainableCacheTest, WhateverTheResultDependsOnChangesTheKey) {
   options_.radius_m = 0.086;
   EXPECT_NE(key(), original);
   options_.radius_m = kObjectCoverageRadiusM;
+  options_.sweep_roll_deg = 0.0;
+  EXPECT_NE(key(), original);
+  options_.sweep_roll_deg = 40.0;
+  EXPECT_EQ(key(), original);
+  truth_.two_sided.assign(truth_.points.size(), 1);
+  EXPECT_NE(key(), original);
   world_.scene.parts[2].mesh.vertices[0].x() += 0.001f;
   EXPECT_NE(key(), original);
 }

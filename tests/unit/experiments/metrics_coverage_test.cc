@@ -84,6 +84,61 @@ TEST(CoverageScorer, MovedPointsScoreAsTheirImages) {
   EXPECT_GT(a.covered_count(), 100u);
 }
 
+/// Truth with random normals, some of it two-sided.
+scenes::GroundTruth RandomTruth(size_t count, core::Rng* rng) {
+  scenes::GroundTruth truth;
+  truth.points = RandomPoints(count, 0.4, rng);
+  for (size_t i = 0; i < count; ++i) {
+    truth.normals.push_back(Vec3(rng->Normal(), rng->Normal(), rng->Normal()).normalized().cast<float>());
+    truth.two_sided.push_back(i % 5 == 0 ? 1 : 0);
+  }
+  return truth;
+}
+
+TEST(CoverageScorer, OfTheOuterSideEqualsBruteForceAfterEveryCloud) {
+  core::Rng rng(17);
+  const scenes::GroundTruth truth = RandomTruth(4000, &rng);
+  const double radius = 0.043;
+  CoverageScorer scorer(std::make_shared<PointGrid>(truth.points, 2.0 * radius), truth, radius);
+  const Pose T = core::MakePose(core::RotationFromYawPitchRoll(0.3, -0.1, 0.2), Vec3(0.05, 0.02, -0.04));
+  std::vector<uint8_t> expected(truth.points.size(), 0);
+  for (int scan = 0; scan < 3; ++scan) {
+    const std::vector<Vec3f> points = RandomPoints(300, 0.5, &rng), origins = RandomPoints(300, 3.0, &rng);
+    scorer.AddReturns(points, origins, T);
+    for (size_t i = 0; i < expected.size(); ++i) {
+      const Vec3 q = truth.points[i].cast<double>(), n = truth.normals[i].cast<double>();
+      for (size_t k = 0; k < points.size(); ++k) {
+        const Vec3 p = T * points[k].cast<double>(), o = T * origins[k].cast<double>();
+        const bool outer = truth.two_sided[i] != 0 || n.dot(o - q) > 0.0;
+        if ((p - q).norm() <= radius && outer) expected[i] = 1;
+      }
+    }
+    size_t differ = 0;  // rounding at the radius
+    for (size_t i = 0; i < expected.size(); ++i) differ += expected[i] != scorer.covered()[i];
+    EXPECT_LE(differ, 1u);
+    EXPECT_GT(scorer.covered_count(), 100u);
+  }
+}
+
+TEST(CoverageMeter, FarFaceOfAThinPlateIsCoveredByEq39AloneUntilItIsSeen) {
+  // A plate of 2 cm, its upper face seen from above with 1 cm of noise.
+  const scenes::GroundTruth truth = SampledBox({1.0, 0.5, 0.01}, 0.01);
+  CoverageMeter meter(truth, {});
+  core::Rng rng(3);
+  mapping::ReturnCloud above, below;
+  for (size_t i = 0; i < truth.points.size(); ++i) {
+    const Vec3f noise(0.0f, 0.0f, static_cast<float>(0.01 * rng.Normal()));
+    if (truth.normals[i].z() > 0.5f) above.Add(truth.points[i] + noise, Vec3f(0, 0, 3));
+    if (truth.normals[i].z() < -0.5f) below.Add(truth.points[i] + noise, Vec3f(0, 0, -3));
+  }
+  meter.AddCloud(above);
+  const double upper = CoverageByPart(truth, meter.covered_outer())[2].share();
+  EXPECT_NEAR(upper, 0.5, 0.005);
+  EXPECT_GT(CoverageByPart(truth, meter.covered())[2].share(), 0.99);
+  meter.AddCloud(below);
+  EXPECT_GT(CoverageByPart(truth, meter.covered_outer())[2].share(), 0.99);
+}
+
 TEST(CoverageScorer, NothingCoversNothing) {
   CoverageScorer no_truth(std::vector<Vec3f>{}, 0.043);
   no_truth.AddCloud({{Vec3f::Zero()}});
@@ -165,18 +220,19 @@ TEST(AlignToTruth, DirectionsThatAPlaneLeavesFreeStayPut) {
 TEST(CoverageMeter, AlignmentGivesBackWhatDriftTook) {
   const scenes::GroundTruth truth = SampledBox({1.5, 0.8, 0.6}, 0.01);
   CoverageMeter meter(truth, {});
-  core::PointCloud first, second;
+  mapping::ReturnCloud first, second;
   for (size_t i = 0; i < truth.points.size(); ++i) {
     // The first half of the truth is seen by the first scan, all by the second; both shifted by 6 cm.
     const Vec3f p = truth.points[i] + Vec3f(0.035f, 0.035f, 0.035f);
-    if (truth.points[i].x() < 0.0f) first.points.push_back(p);
-    second.points.push_back(p);
+    if (truth.points[i].x() < 0.0f) first.Add(p, p + truth.normals[i]);
+    second.Add(p, p + truth.normals[i]);
   }
   meter.AddCloud(first);
   const double after_one = meter.coverage();
   EXPECT_GT(after_one, 0.4);
   meter.AddCloud(second);
   EXPECT_GT(meter.coverage(), 0.999);
+  EXPECT_GT(meter.coverage_outer(), 0.999);
   EXPECT_LT(meter.coverage_raw(), meter.coverage());
   EXPECT_NEAR((meter.T_truth_cloud().translation() + Vec3(0.035, 0.035, 0.035)).norm(), 0.0, 0.003);
   const std::vector<PartCoverage> parts = CoverageByPart(truth, meter.covered());
@@ -187,14 +243,14 @@ TEST(CoverageMeter, AlignmentGivesBackWhatDriftTook) {
 TEST(CoverageMeter, CloudErrorIsTheDistanceToTheSurfaceAndLeavesTheGroundOut) {
   const scenes::GroundTruth truth = SampledBox({1.0, 1.0, 0.5}, 0.01);
   CoverageMeter meter(truth, {});
-  core::PointCloud cloud;
+  mapping::ReturnCloud cloud;
   core::Rng rng(4);
   std::vector<double> expected;
   for (int i = 0; i < 40000; ++i) {
     const size_t k = static_cast<size_t>(rng.UniformInt(static_cast<int>(truth.points.size())));
     const double offset = 0.01 * rng.Normal();
     if (truth.points[k].cwiseAbs().maxCoeff() > 0.95f && truth.part[k] == 2) continue;
-    cloud.points.push_back(truth.points[k] + static_cast<float>(offset) * truth.normals[k]);
+    cloud.Add(truth.points[k] + static_cast<float>(offset) * truth.normals[k], Vec3f(0, 0, 5));
   }
   std::vector<Vec3f> ground;
   for (double x = -1.5; x <= 1.5; x += 0.02) {
@@ -202,9 +258,10 @@ TEST(CoverageMeter, CloudErrorIsTheDistanceToTheSurfaceAndLeavesTheGroundOut) {
       if (std::max(std::abs(x), std::abs(y)) > 1.02) ground.push_back(Vec3(x, y, -0.5).cast<float>());
     }
   }
-  cloud.points.insert(cloud.points.end(), ground.begin(), ground.end());
+  for (const Vec3f& p : ground) cloud.Add(p, Vec3f(0, 0, 5));
   meter.AddCloud(cloud);
-  const CloudError error = meter.MeasureCloudError(Box3{Vec3(-2, -2, -1), Vec3(2, 2, 1)}, ground);
+  meter.SetSurroundings(ground);
+  const CloudError error = meter.MeasureCloudError(Box3{Vec3(-2, -2, -1), Vec3(2, 2, 1)});
   EXPECT_NEAR(error.mean_m, 0.01 * std::sqrt(2.0 / core::kPi), 0.0008);  // half-normal mean
   EXPECT_NEAR(error.p95_m, 0.0196, 0.0015);
 }
@@ -217,10 +274,11 @@ TEST(CoverageScorer, MillionsOfPointsAreScoredAndAlignedInSeconds) {
   core::Rng rng(8);
   double worst_s = 0.0;
   for (int scan = 0; scan < 4; ++scan) {
-    core::PointCloud cloud;
+    mapping::ReturnCloud cloud;
     for (int i = 0; i < 300000; ++i) {
       const size_t k = static_cast<size_t>(rng.UniformInt(static_cast<int>(truth.points.size())));
-      cloud.points.push_back(truth.points[k] + static_cast<float>(0.01 * rng.Normal()) * truth.normals[k]);
+      const float offset = static_cast<float>(0.01 * rng.Normal());
+      cloud.Add(truth.points[k] + offset * truth.normals[k], truth.points[k] + 3.0f * truth.normals[k]);
     }
     const clock_t start = clock();
     meter.AddCloud(cloud);

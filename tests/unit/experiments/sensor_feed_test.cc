@@ -15,13 +15,13 @@ namespace {
 /// Keeps what it was given; one cloud point a spin, all in one cell.
 class CountingMapper : public mapping::Mapper {
  public:
-  core::PointCloud Integrate(const core::Sweep& sweep) override {
+  mapping::ReturnCloud Integrate(const core::Sweep& sweep) override {
     for (const core::SpinEvent& spin : sweep.spins) {
       stamps.push_back(spin.scan.stamp_s);
       shifts_x.push_back(sweep.T_map_odom.translation().x());
     }
-    core::PointCloud cloud;
-    cloud.points.emplace_back(0.001f, 0.001f, 0.001f);
+    mapping::ReturnCloud cloud;
+    cloud.Add(core::Vec3f(0.001f, 0.001f, 0.001f), core::Vec3f::Zero());
     return cloud;
   }
   const mapping::OccupancyView& view() const override { throw std::logic_error("no view here"); }
@@ -52,7 +52,7 @@ class SensorFeedTest : public ::testing::TestWithParam<bool> {
       : terrain(planner::TerrainParams{}, robots::RobotSpec{}),
         feed(
             {.refresh_period_s = 1.0, .terrain_latency_s = 0.4}, &terrain, &mapper,
-            [this](const core::PointCloud& cloud) { heard += cloud.points.size(); }, &lanes),
+            [this](const mapping::ReturnCloud& cloud) { heard += cloud.points.size(); }, &lanes),
         lanes(kTaskLanes, GetParam()) {
     terrain.InitialiseUnderRobot(core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0));
   }

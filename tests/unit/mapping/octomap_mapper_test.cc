@@ -275,8 +275,7 @@ TEST(OctomapMapper, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
 
 TEST(OctomapMapper, CloudIsUndistortedOnTheTrueWalls) {
   const core::Sweep sweep = RoomSweep(5, 0.0);
-  const core::PointCloud cloud =
-      AccumulateSweep(sweep, core::Box3{Vec3(-9, -9, -9), Vec3(9, 9, 9)}, 20.0, 0.015);
+  const ReturnCloud cloud = AccumulateSweep(sweep, core::Box3{Vec3(-9, -9, -9), Vec3(9, 9, 9)}, 20.0, 0.015);
   ASSERT_GT(cloud.points.size(), 3000u);
   const Pose T_room_map = sweep.T_map_odom.inverse();
   for (const Vec3f& p : cloud.points) {
