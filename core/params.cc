@@ -5,12 +5,14 @@
 #include <yaml-cpp/yaml.h>
 
 #include <charconv>
+#include <functional>
 #include <map>
 #include <set>
 
 #include "core/errors.h"
 #include "core/files.h"
 #include "core/named_files.h"
+#include "core/safe_text.h"
 
 namespace atlas::core {
 namespace fs = std::filesystem;
@@ -26,6 +28,13 @@ struct Entry {
   std::map<std::string, Entry> children;
 };
 
+/// A value or key; where it goes (names of files, scripts, terminals), control characters would act.
+std::string TextOf(const YAML::Node& node, const std::string& origin) {
+  std::string text = node.as<std::string>();
+  RefuseControlCharacters(text, origin);
+  return text;
+}
+
 Entry FromYaml(const YAML::Node& node, const std::string& file, const fs::path& folder) {
   Entry entry;
   entry.folder = folder;
@@ -34,17 +43,17 @@ Entry FromYaml(const YAML::Node& node, const std::string& file, const fs::path& 
     for (const auto& item : node) {
       Entry child = FromYaml(item.second, file, folder);
       child.origin = fmt::format("{}:{}", file, item.first.Mark().line + 1);
-      entry.children[item.first.as<std::string>()] = std::move(child);
+      entry.children[TextOf(item.first, child.origin)] = std::move(child);
     }
   } else if (node.IsSequence()) {
     entry.kind = Entry::Kind::kSequence;
     for (const auto& item : node) {
       if (!item.IsScalar()) throw InputError(fmt::format("{}: a list holds plain values only", entry.origin));
-      entry.sequence.push_back(item.as<std::string>());
+      entry.sequence.push_back(TextOf(item, entry.origin));
     }
   } else {
     entry.kind = Entry::Kind::kScalar;
-    if (node.IsScalar()) entry.scalar = node.as<std::string>();
+    if (node.IsScalar()) entry.scalar = TextOf(node, entry.origin);
   }
   return entry;
 }
@@ -283,6 +292,7 @@ void ParamSource::MergeFile(const fs::path& path, const fs::path& fallback_dir) 
 }
 
 void ParamSource::MergeAssignment(const std::string& assignment) {
+  RefuseControlCharacters(assignment, "--set");
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
     throw InputError(fmt::format("--set {}: expected section.key=value", assignment));

@@ -2,14 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <optional>
 #include <random>
 #include <string>
 #include <string_view>
@@ -46,21 +44,17 @@ int CreateLocked(const fs::path& path) {
   return -1;
 }
 
-/// Of a name "ANYTHING.tmpPID-RANDOM".
-std::optional<pid_t> WriterOf(std::string_view name) {
+/// Whether a name is of the form "ANYTHING.tmpPID-RANDOM".
+bool IsTemporary(std::string_view name) {
   const size_t at = name.rfind(".tmp");
-  if (at == std::string_view::npos || at == 0) return std::nullopt;
+  if (at == std::string_view::npos || at == 0) return false;
   const std::string_view number = name.substr(at + 4);
   const size_t dash = number.find('-');
-  if (dash == std::string_view::npos) return std::nullopt;
+  if (dash == std::string_view::npos) return false;
   const std::string_view random = number.substr(dash + 1);
   const bool hexadecimal = random.find_first_not_of("0123456789abcdef") == std::string_view::npos;
-  if (random.size() != kRandomDigits || !hexadecimal) return std::nullopt;
-  return ParseNumber<pid_t>(number.substr(0, dash));
-}
-
-bool Lives(pid_t process) {
-  return process <= 0 || kill(process, 0) == 0 || errno != ESRCH;
+  return random.size() == kRandomDigits && hexadecimal &&
+         ParseNumber<pid_t>(number.substr(0, dash)).has_value();
 }
 
 bool RemoveIfUnlocked(const fs::path& path) {
@@ -109,9 +103,9 @@ void TemporaryFile::Commit() {
 size_t RemoveStaleTemporaries(const fs::path& folder) {
   size_t removed = 0;
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const auto writer = WriterOf(entry->path().filename().string());
-    if (writer && !Lives(*writer) && RemoveIfUnlocked(entry->path())) ++removed;
+  const fs::path there = folder.empty() ? "." : folder;
+  for (fs::directory_iterator entry(there, error), end; !error && entry != end; entry.increment(error)) {
+    if (IsTemporary(entry->path().filename().string()) && RemoveIfUnlocked(entry->path())) ++removed;
   }
   return removed;
 }

@@ -30,8 +30,8 @@ class TemporaryFile {
   bool committed_ = false;
 };
 
-/// Removes the temporary files in `folder` that no process writes any more: nobody holds their lock, and no
-/// process has their number. Anything else is left alone, and so is what cannot be removed. Returns how many
+/// Removes the temporary files in `folder` (empty: the working folder) that no process writes any more, since
+/// nobody holds their lock. Anything else is left alone, and so is what cannot be removed. Returns how many
 /// went.
 size_t RemoveStaleTemporaries(const std::filesystem::path& folder);
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "core/files.h"
 #include "core/lidar_model.h"
 #include "core/task_lanes.h"
 #include "experiments/mission_metrics.h"
@@ -198,11 +199,22 @@ Ending RunMission(Mission* m) {
   }
 }
 
+void SaveWhatCanBe(Mission* m) {
+  try {
+    m->metrics.Save(*m->mapper);
+  } catch (const std::exception&) {
+    // Of two errors the first is told.
+  }
+}
+
 }  // namespace
 
 RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& options) {
+  core::RemoveStaleTemporaries(options.folder);
+  core::RemoveStaleTemporaries(core::CacheDirectory());
   const ExperimentConfig config = KeepInputs(given, options.folder);  // what is run is what is kept
   Mission mission(config, options);
+  options.prepared();
   Ending ending{RunStatus::kFailed, StopReason::kError};
   try {
     ending = RunMission(&mission);
@@ -210,12 +222,13 @@ RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& option
     mission.lanes.Drain(kMapLane);
   } catch (...) {
     mission.lanes.Abandon();
-    mission.metrics.Finish(RunStatus::kFailed, StopReason::kError, *mission.mapper);
-    throw;
+    SaveWhatCanBe(&mission);
+    throw;  // past the recorder, which says that the run failed
   }
-  RunSummary summary = mission.metrics.Finish(ending.status, ending.reason, *mission.mapper);
-  mission.film.Finish();
-  return summary;
+  mission.metrics.Save(*mission.mapper);
+  const bool interrupted = ending.status == RunStatus::kInterrupted;
+  if (!mission.film.Finish(!interrupted)) ending = {RunStatus::kInterrupted, StopReason::kSignal};
+  return mission.metrics.Finish(ending.status, ending.reason);
 }
 
 }  // namespace atlas::experiments

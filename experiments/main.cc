@@ -1,13 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <exception>
 #include <functional>
 #include <iostream>
-#include <thread>
 
+#include "core/cpus.h"
 #include "core/errors.h"
+#include "core/safe_text.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/map_commands.h"
+#include "experiments/cli/process.h"
 
 namespace {
 
@@ -151,7 +152,7 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   Action action;
   RunArguments run;
-  run.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  run.threads = core::AvailableCpus();
   ListArguments list;
   AddRun(&app, &run, &action);
   RenderArguments render;
@@ -173,7 +174,7 @@ int Main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    std::cerr << "atlas: " << error.what() << "\n";
+    std::cerr << "atlas: " << core::Printable(error.what()) << "\n";
     return 2;
   }
   return action();
@@ -182,13 +183,5 @@ int Main(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return Main(argc, argv);
-  } catch (const atlas::core::InputError& error) {
-    std::cerr << "\natlas: " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "\natlas: internal error: " << error.what() << "\n";
-    return 1;
-  }
+  return atlas::experiments::RunProcess(argc, argv, [&] { return Main(argc, argv); });
 }

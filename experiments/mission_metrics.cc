@@ -99,6 +99,8 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
 void MissionMetrics::Attach(sim::Simulator* simulator) {
   simulator_ = simulator;
   recorder_->mutable_summary()->render_backend = simulator->render_backend();
+  recorder_->mutable_summary()->render_problem = simulator->render_problem();
+  if (!simulator->render_problem().empty()) Note("no depth camera: " + simulator->render_problem());
   simulator->AddStateObserver(
       [this](const sim::Snapshot& state) {
         recorder_->AddPose(state.time_s, simulator_->TrueBasePose(), simulator_->T_odom_base());
@@ -199,7 +201,8 @@ void MissionMetrics::ObserveWalk(const sim::WalkResult& walk, double wall_s) {
   timing_.walk_wall_s = wall_s;
 }
 
-RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const mapping::Mapper& mapper) {
+void MissionMetrics::Save(const mapping::Mapper& mapper) {
+  wall_time_s_ = wall_.seconds();
   RunSummary& summary = *recorder_->mutable_summary();
   const CloudError error = meter_->MeasureCloudError(scene_.object_box);
   if (error.points > 0) {
@@ -216,25 +219,31 @@ RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason, const map
     summary.explored_volume_attainable_m3 = volume_->attainable_m3();
     summary.explored_of_attainable = *score_.explored_m3 / std::max(1e-9, volume_->attainable_m3());
   }
-  const RunSummary result =
-      recorder_->Finish(status, reason, simulator_->time_s(), distance_m_, wall_.seconds());
   WriteScoredCloud(options_.folder / "cloud.ply", meter_->kept());
   WriteAlignment(options_.folder / "alignment.txt", meter_->T_truth_cloud_counted());
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
                             PartsCsv(truth_, attainable_, meter_->covered(), meter_->covered_outer()));
   mapper.Save(options_.folder);
-  return result;
+  core::WriteFileAtomically(options_.folder / "log.txt", log_);
 }
 
-void MissionMetrics::Report(const std::string& stage, bool final) const {
+RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason) {
+  return recorder_->Finish(status, reason, simulator_->time_s(), distance_m_, wall_time_s_);
+}
+
+void MissionMetrics::Note(const std::string& line) {
+  log_ += line + "\n";
+  options_.progress(line, true);
+}
+
+void MissionMetrics::Report(const std::string& stage, bool final) {
   const double time_s = simulator_->time_s();
-  options_.progress(
-      fmt::format("scan {:2d}  {:02d}:{:02d}  {:6.2f} m  coverage {:5.1f} %  of attainable {:5.1f} %  {:.1f} "
-                  "x real time  {}",
-                  scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
-                  100.0 * score_.coverage, 100.0 * score_.of_attainable,
-                  time_s / std::max(1e-3, wall_.seconds()), stage),
-      final);
+  const std::string line = fmt::format(
+      "scan {:2d}  {:02d}:{:02d}  {:6.2f} m  coverage {:5.1f} %  of attainable {:5.1f} %  {:.1f} "
+      "x real time  {}",
+      scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
+      100.0 * score_.coverage, 100.0 * score_.of_attainable, time_s / std::max(1e-3, wall_.seconds()), stage);
+  final ? Note(line) : options_.progress(line, false);
 }
 
 bool MissionMetrics::CoverageIsFlat() const {

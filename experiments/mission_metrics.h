@@ -40,10 +40,14 @@ class MissionMetrics {
 
   void FinishScan(const planner::NbvDecision& decision);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
-  RunSummary Finish(RunStatus status, StopReason reason, const mapping::Mapper& mapper);
+  /// Writes the cloud, the map, log.txt and what else the folder holds, with numbers as of now; the status
+  /// still says `interrupted`. @throws InputError when a file cannot be written.
+  void Save(const mapping::Mapper& mapper);
+  /// The last write of a run: its final status. @pre Save() has returned
+  RunSummary Finish(RunStatus status, StopReason reason);
 
   /// A progress line: scan, simulated time, distance, coverage, what is going on.
-  void Report(const std::string& stage, bool final = false) const;
+  void Report(const std::string& stage, bool final = false);
 
   /// Whether the last `mission.flat_scans` scans added less than `mission.flat_coverage` each, on average.
   bool CoverageIsFlat() const;
@@ -52,6 +56,9 @@ class MissionMetrics {
   TimingRow& timing() { return timing_; }
 
  private:
+  /// A line that stays, on the terminal and in log.txt.
+  void Note(const std::string& line);
+
   const ExperimentConfig& config_;
   const RunOptions& options_;
   const scenes::SceneSpec& scene_;
@@ -72,6 +79,8 @@ class MissionMetrics {
   std::unique_ptr<RunRecorder> recorder_;
   sim::Simulator* simulator_ = nullptr;
   core::Rng log_rng_;
+  std::string log_;           ///< lines that stay
+  double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
   int scans_ = 0;
   double distance_m_ = 0.0;
   std::vector<double> coverage_;  ///< a scan each

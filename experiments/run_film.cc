@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kStateRateHz = 25.0;  ///< a state a frame even at real-time speed
 
+struct Stopped {};
+
 }  // namespace
 
 RunFilm::RunFilm(const ExperimentConfig& config, const RunOptions& options)
@@ -47,17 +49,23 @@ void RunFilm::Save() const {
   recording_.Save(options_.folder / kRecordingFile);
 }
 
-void RunFilm::Finish() {
+bool RunFilm::Finish(bool with_video) {
   Save();
-  if (!config_.output.video) return;
+  if (!config_.output.video || !with_video) return true;
   const RunRecording recording = LoadRecording(options_.folder / kRecordingFile);
-  if (recording.states.empty()) return;
+  if (recording.states.empty()) return true;
   VideoParams params;
   params.speed = config_.output.video_speed;
-  WriteRunVideo(scenes::LoadScene(recording.scene), robots::LoadRobot(recording.robot), recording, params,
-                options_.folder / "video.mp4", [this](double share) {
-                  options_.progress(fmt::format("video {:3.0f} %", 100.0 * share), false);
-                });
+  try {
+    WriteRunVideo(scenes::LoadScene(recording.scene), robots::LoadRobot(recording.robot), recording, params,
+                  options_.folder / "video.mp4", [this](double share) {
+                    if (options_.should_stop()) throw Stopped();
+                    options_.progress(fmt::format("video {:3.0f} %", 100.0 * share), false);
+                  });
+  } catch (const Stopped&) {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace atlas::experiments

@@ -17,8 +17,9 @@ class RunFilm {
 
   void ObserveMap(const std::vector<core::Vec3f>& occupied_map);
   void ObservePlan(const planner::NbvDecision& decision);
-  /// Saves the recording and, where asked for, renders video.mp4. @throws InputError when that fails.
-  void Finish();
+  /// Saves the recording and, where asked for and `with_video`, renders video.mp4. False when stopped
+  /// meanwhile, without a video. @throws InputError when that fails.
+  bool Finish(bool with_video);
 
  private:
   void Save() const;

@@ -203,7 +203,7 @@ SceneSpec LoadSceneFile(const std::filesystem::path& path) {
   fields.AllowOnly({"name", "doc", "spawn", "object_box", "space", "ground", "parts"});
   SceneSpec scene;
   scene.name = fields.Text("name", path.stem().string());
-  scene.doc = fields.Text("doc", "scene of " + path.filename().string());
+  scene.doc = fields.Prose("doc", "scene of " + path.filename().string());
 
   const YamlFields spawn = fields.Child("spawn");
   spawn.AllowOnly({"x", "y", "yaw_deg"});

@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/safe_text.h"
 
 namespace atlas::scenes {
 namespace {
@@ -88,7 +89,21 @@ std::string YamlFields::Text(const std::string& key) const {
   const YAML::Node node = Required(key);
   if (!node.IsScalar() || node.Scalar().empty())
     Fail(key, fmt::format("expected text, found {}", Shown(node)));
+  RefuseControlCharacters(key, node.Scalar());
   return node.Scalar();
+}
+
+std::string YamlFields::Prose(const std::string& key, const std::string& otherwise) const {
+  if (!Has(key)) return otherwise;
+  if (!node_[key].IsScalar()) Fail(key, fmt::format("expected text, found {}", Shown(node_[key])));
+  std::string text = node_[key].Scalar();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  RefuseControlCharacters(key, text);
+  return text;
+}
+
+void YamlFields::RefuseControlCharacters(const std::string& key, const std::string& text) const {
+  if (core::HasControlCharacters(text)) Fail(key, fmt::format("holds a control character: '{}'", text));
 }
 
 Eigen::VectorXd YamlFields::Numbers(const std::string& key, int size) const {

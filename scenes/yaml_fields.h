@@ -30,6 +30,8 @@ class YamlFields {
   std::string Text(const std::string& key, const std::string& otherwise) const {
     return Has(key) ? Text(key) : otherwise;
   }
+  /// Text that may go over several lines of the file: line ends become blanks.
+  std::string Prose(const std::string& key, const std::string& otherwise) const;
   /// A list of exactly `size` numbers.
   Eigen::VectorXd Numbers(const std::string& key, int size) const;
 
@@ -44,6 +46,7 @@ class YamlFields {
  private:
   YamlFields(std::filesystem::path file, std::string path, YAML::Node node);
   YAML::Node Required(const std::string& key) const;
+  void RefuseControlCharacters(const std::string& key, const std::string& text) const;
 
   std::filesystem::path file_;
   std::string path_;  ///< "parts[2]."

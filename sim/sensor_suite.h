@@ -24,7 +24,8 @@ class SensorSuite {
   /// which may be null.
   void Observe(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink, core::Sweep* sweep);
 
-  std::string render_backend() const { return camera_ ? camera_->backend() : "none"; }
+  std::string render_backend() const { return camera_ ? camera_->backend() : "off"; }
+  std::string render_problem() const { return camera_ ? camera_->why_unavailable() : ""; }
 
   /// Whether a revolution starts at the next observation.
   bool AtSpinStart(double time_s) const;

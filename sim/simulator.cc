@@ -36,6 +36,7 @@ class WalkingSimulator : public Simulator {
   core::Pose T_map_odom() const override { return odometry_.T_map_odom(); }
   const SafetyCounts& safety() const override { return locomotion_->safety(); }
   std::string render_backend() const override { return sensors_.render_backend(); }
+  std::string render_problem() const override { return sensors_.render_problem(); }
   core::Pose TrueBasePose() const override { return locomotion_->T_map_base(); }
   Snapshot TrueState() const override { return {time_s(), locomotion_->world().qpos()}; }
   void AddStateObserver(std::function<void(const Snapshot&)> observer, double rate_hz) override {

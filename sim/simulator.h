@@ -108,7 +108,9 @@ class Simulator {
   virtual core::Pose T_map_odom() const = 0;
 
   virtual const SafetyCounts& safety() const = 0;
-  virtual std::string render_backend() const = 0;  ///< "egl", "osmesa" or "none"
+  virtual std::string render_backend() const = 0;  ///< "egl", "osmesa", "none", or "off": no depth camera
+  /// Why the depth camera that was asked for does not work, one line; empty where it does.
+  virtual std::string render_problem() const { return ""; }
 
   // Ground truth, for experiments/metrics and video only.
   virtual core::Pose TrueBasePose() const = 0;

@@ -87,6 +87,7 @@ int BenchCommand(const BenchArguments& arguments) {
   }
   const std::filesystem::path folder =
       arguments.out.empty() ? std::filesystem::path("runs") / ("bench_" + what) : arguments.out;
+  core::RemoveStaleTemporaries(folder);
   core::WriteFileAtomically(folder / "bench.txt",
                             what + "\n");  // before the work: a bad folder costs nothing
   return what == "mapper" ? BenchMapper(arguments, folder) : BenchMotion(arguments, folder);

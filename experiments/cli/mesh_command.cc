@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "core/errors.h"
+#include "core/temporary_file.h"
 #include "experiments/cli/map_commands.h"
 #include "experiments/cli/progress_bar.h"
 #include "mapping/io/map_file.h"
@@ -39,6 +40,7 @@ int MeshCommand(const MeshArguments& arguments) {
   const std::filesystem::path out =
       arguments.out.empty() ? arguments.map.parent_path() / "mesh.ply" : arguments.out;
   CheckExtension(out, {".ply"});
+  core::RemoveStaleTemporaries(out.parent_path());
   const mapping::AnyOctree map = LoadMap(arguments.map);
   const size_t chunks = std::visit([](const auto& tree) { return tree.Count().chunks; }, map);
   ProgressBar bar("mesh", chunks);
@@ -58,6 +60,7 @@ int MeshCommand(const MeshArguments& arguments) {
 
 int ExportCommand(const ExportArguments& arguments) {
   CheckExtension(arguments.out, {".bt", ".ot", ".ply"});
+  core::RemoveStaleTemporaries(arguments.out.parent_path());
   const mapping::AnyOctree map = LoadMap(arguments.map);
   if (arguments.out.extension() == ".ply") {
     const core::PointCloud cloud =

@@ -9,10 +9,6 @@ namespace atlas::experiments {
 class ProgressLine {
  public:
   void Show(const std::string& line, bool final);
-  const std::string& log() const { return log_; }  ///< the final lines
-
- private:
-  std::string log_;
 };
 
 }  // namespace atlas::experiments

@@ -38,7 +38,7 @@ int RecordCommand(const RecordArguments& arguments) {
           : arguments.out;
   DatasetRecorder recorder(OptionsOf(arguments));
   const double spacing_m = arguments.truth_spacing_m.value_or(recorder.scene().truth_spacing_m);
-  InstallInterruptHandler();
+  StopInOrderOnSignal();
   ProgressLine line;
   const Stopwatch wall;
   const DatasetCounts counts = WriteDataset(&recorder, folder, spacing_m, [&](size_t done, size_t all) {

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "core/errors.h"
+#include "core/temporary_file.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/progress_line.h"
 #include "experiments/video/run_video.h"
@@ -57,6 +58,7 @@ fs::path OutputOf(const RenderArguments& arguments, const fs::path& otherwise) {
   if (out.extension() != wanted) {
     throw core::InputError(fmt::format("render: --out {}: expected a name ending {}", out.string(), wanted));
   }
+  core::RemoveStaleTemporaries(out.parent_path());
   return out;
 }
 

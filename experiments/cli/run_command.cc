@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "core/files.h"
+#include "core/safe_text.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/progress_line.h"
 #include "experiments/closed_loop.h"
@@ -40,7 +40,8 @@ int RunCommand(const RunArguments& arguments) {
   options.folder = FolderFor(arguments, config);
   options.should_stop = Interrupted;
   options.progress = [&](const std::string& text, bool final) { line.Show(text, final); };
-  InstallInterruptHandler();
+  options.prepared = StopInOrderOnSignal;
+  EndAtOnceOnSignal();
 
   RunSummary summary;
   try {
@@ -50,7 +51,6 @@ int RunCommand(const RunArguments& arguments) {
     throw;
   }
   line.Show("", false);
-  core::WriteFileAtomically(options.folder / "log.txt", line.log());
   std::cout << CoverageTable(GroupRuns({LoadReportedRun(options.folder)}));
   std::cout << fmt::format("\n{} ({}); run folder: {}\n", NameOf(summary.status), NameOf(summary.stop_reason),
                            options.folder.string());

@@ -27,7 +27,7 @@ int SweepCommand(const SweepArguments& arguments) {
     return IdentityOf(LoadExperiment(experiment, assignments));
   };
   const SweepSpec spec = LoadSweep(arguments.name);
-  InstallInterruptHandler();
+  StopInOrderOnSignal();
   return RunSweep(spec, options, std::cout);
 }
 

@@ -74,6 +74,17 @@ RunRecorder::RunRecorder(const std::filesystem::path& folder, const RunSummary& 
   Write();
 }
 
+RunRecorder::~RunRecorder() {
+  if (finished_ || std::uncaught_exceptions() <= exceptions_) return;
+  summary_.status = RunStatus::kFailed;
+  summary_.stop_reason = StopReason::kError;
+  try {
+    core::WriteFileAtomically(folder_ / "summary.json", ToJson(summary_));
+  } catch (const std::exception&) {
+    // What stands there says `interrupted`.
+  }
+}
+
 void RunRecorder::AddPose(double time_s, const core::Pose& T_map_base_true, const core::Pose& T_odom_base) {
   truth_tum_ += TumLine(time_s, T_map_base_true);
   odom_tum_ += TumLine(time_s, T_odom_base);
@@ -104,6 +115,7 @@ const RunSummary& RunRecorder::Finish(RunStatus status, StopReason reason, doubl
   summary_.wall_time_s = wall_time_s;
   Summarise();
   Write();
+  finished_ = true;
   return summary_;
 }
 

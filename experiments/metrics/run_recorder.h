@@ -1,10 +1,12 @@
 // The run folder as it grows: rows a scan, candidates, trajectories, summary and the coverage picture.
 //
 // The folder is valid at any time: after each scan every file is rewritten whole (core::WriteFileAtomically),
-// and until Finish summary.json says `interrupted`. steps.csv holds nothing that depends on the machine's
-// speed, so the same seed gives the same bytes; wall-clock times go to timings.csv.
+// and until Finish summary.json says `interrupted` (`failed` once an exception has passed). steps.csv holds
+// nothing that depends on the machine's speed, so the same seed gives the same bytes; wall-clock times go to
+// timings.csv.
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -62,6 +64,10 @@ class RunRecorder {
   /// @param identity who ran what (text fields and seed); its numbers may hold what is known beforehand.
   /// @throws InputError when the folder cannot be written.
   RunRecorder(const std::filesystem::path& folder, const RunSummary& identity);
+  /// Where an exception passes before Finish, the run failed, and its summary says so.
+  ~RunRecorder();
+  RunRecorder(const RunRecorder&) = delete;
+  RunRecorder& operator=(const RunRecorder&) = delete;
 
   const std::filesystem::path& folder() const { return folder_; }
 
@@ -92,6 +98,8 @@ class RunRecorder {
 
   std::filesystem::path folder_;
   RunSummary summary_;
+  bool finished_ = false;
+  int exceptions_ = std::uncaught_exceptions();  ///< under way when this was made
   std::vector<StepRow> steps_;
   std::vector<TimingRow> timings_;
   std::string candidates_csv_;

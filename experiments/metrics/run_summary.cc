@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/safe_text.h"
 
 namespace atlas::experiments {
 namespace {
@@ -53,6 +54,7 @@ class Reader {
     if (!json_.contains(key)) return;
     if (!json_[key].is_string()) Fail(fmt::format("{}: expected text, found {}", key, json_[key].dump()));
     *value = json_[key].get<std::string>();
+    core::RefuseControlCharacters(*value, origin_ + ": " + key);
   }
   void Number(const char* key, std::optional<double>* value) const {
     if (!json_.contains(key)) return;

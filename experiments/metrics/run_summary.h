@@ -37,7 +37,7 @@ int ExitCodeOf(RunStatus status);
 // Keys of summary.json in order: text, then numbers. A key without a value is left out.
 // clang-format off
 #define ATLAS_SUMMARY_TEXT(X) X(experiment) X(scene) X(robot) X(locomotion) X(odometry) X(mapper) X(planner) X(gain)
-#define ATLAS_SUMMARY_TEXT_MORE(X) X(worth) X(deviations) X(version) X(commit) X(config_hash) X(scene_hash) X(robot_hash) X(render_backend)
+#define ATLAS_SUMMARY_TEXT_MORE(X) X(worth) X(deviations) X(version) X(commit) X(config_hash) X(scene_hash) X(robot_hash) X(render_backend) X(render_problem)
 #define ATLAS_SUMMARY_NUMBERS(X)                                                                           \
   X(coverage) X(coverage_raw) X(coverage_outer) X(coverage_attainable) X(coverage_of_attainable)           \
   X(travel_distance_m) X(scans) X(sim_time_s) X(wall_time_s) X(real_time_factor)                           \

@@ -27,7 +27,7 @@ void RefuseToMix(const fs::path& folder) {
 }
 
 std::string Describe(const DatasetRecorder& recorder, const std::string& scene, const DatasetCounts& counts,
-                     double truth_spacing_m) {
+                     double truth_spacing_m, bool complete) {
   const RecordOptions& options = recorder.options();
   const core::LidarModel& lidar = recorder.lidar();
   const auto& stamps = recorder.stamps_s();
@@ -61,7 +61,7 @@ std::string Describe(const DatasetRecorder& recorder, const std::string& scene, 
     line("truth_points", std::to_string(counts.truth_points));
     line("truth_spacing_m", fmt::format("{:g}", truth_spacing_m));
   }
-  line("complete", counts.interrupted ? "false" : "true");
+  line("complete", complete ? "true" : "false");
   return text;
 }
 
@@ -96,6 +96,7 @@ size_t WriteTruth(const DatasetRecorder& recorder, const fs::path& path, double 
 
 DatasetCounts WriteDataset(DatasetRecorder* recorder, const fs::path& folder, double truth_spacing_m,
                            const std::function<bool(size_t, size_t)>& progress) {
+  for (const fs::path& used : {folder, folder / "scans"}) core::RemoveStaleTemporaries(used);
   RefuseToMix(folder);
   const std::string scene = scenes::KeepScene(recorder->options().scene, folder);
   core::CopyFile(recorder->route().file, folder / kRouteFile);
@@ -113,9 +114,13 @@ DatasetCounts WriteDataset(DatasetRecorder* recorder, const fs::path& folder, do
   counts.interrupted = counts.scans < recorder->stamps_s().size();
   mapping::WriteTum(folder / "poses.tum", poses);
   if (truth_spacing_m > 0.0 && !counts.interrupted) {
+    // Complete only with its truth, which takes a while.
+    core::WriteFileAtomically(folder / "dataset.yaml",
+                              Describe(*recorder, scene, counts, truth_spacing_m, false));
     counts.truth_points = WriteTruth(*recorder, folder / "truth.ply", truth_spacing_m);
   }
-  core::WriteFileAtomically(folder / "dataset.yaml", Describe(*recorder, scene, counts, truth_spacing_m));
+  core::WriteFileAtomically(folder / "dataset.yaml",
+                            Describe(*recorder, scene, counts, truth_spacing_m, !counts.interrupted));
   return counts;
 }
 

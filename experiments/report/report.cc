@@ -81,6 +81,7 @@ int RunReport(const std::vector<fs::path>& folders, const fs::path& out, std::os
                                        folders.front().string()));
   }
   const fs::path target = out.empty() ? folders.front() : out;
+  core::RemoveStaleTemporaries(target);
   const GroupedRuns grouped = GroupRuns(runs);
   WriteTables(grouped, CommandOf(folders, out), target);
   WritePlots(grouped.groups, target);

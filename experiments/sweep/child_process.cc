@@ -23,7 +23,7 @@ namespace {
   dup2(null, STDIN_FILENO);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
-  for (const int number : {SIGINT, SIGTERM, SIGPIPE}) signal(number, SIG_DFL);
+  for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) signal(number, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -37,7 +37,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments, const std:
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  const int log_file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  unlink(log.c_str());  // of an earlier attempt
+  const int log_file = open(log.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
   const int null_file = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (log_file < 0 || null_file < 0) {
     const std::string reason = std::strerror(errno);
@@ -49,6 +50,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments, const std:
   pid_ = fork();
   if (pid_ == 0) BecomeChild(argv.data(), log_file, null_file, parent);
   const std::string reason = std::strerror(errno);
+  if (pid_ > 0) setpgid(pid_, pid_);  // by whichever comes first, so that its group is there to be signalled
   close(log_file);
   close(null_file);
   if (pid_ < 0) throw core::InputError(fmt::format("cannot start a process ({})", reason));
@@ -60,16 +62,20 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept : pid_(other.pid_), ex
 
 ChildProcess::~ChildProcess() {
   if (pid_ < 0 || exit_) return;
-  kill(pid_, SIGKILL);
+  Kill();
   while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
 
 std::optional<ChildExit> ChildProcess::Poll() {
   if (exit_ || pid_ < 0) return exit_;
+  siginfo_t info = {};
+  if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != pid_)
+    return std::nullopt;
+  kill(-pid_, SIGKILL);  // while the child is not reaped, nobody else's group has its number
   int status = 0;
-  const pid_t ended = waitpid(pid_, &status, WNOHANG);
-  if (ended != pid_) return std::nullopt;
+  while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
   if (WIFSIGNALED(status)) {
     exit_ = ChildExit{128 + WTERMSIG(status), true};
   } else {
@@ -80,6 +86,10 @@ std::optional<ChildExit> ChildProcess::Poll() {
 
 void ChildProcess::Signal(int number) const {
   if (pid_ > 0 && !exit_) kill(pid_, number);
+}
+
+void ChildProcess::Kill() const {
+  if (pid_ > 0 && !exit_) kill(-pid_, SIGKILL);
 }
 
 }  // namespace atlas::experiments

@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <ostream>
 #include <sstream>
 #include <thread>
 
 #include "core/files.h"
+#include "core/safe_text.h"
+#include "core/text_lines.h"
 #include "experiments/sweep/child_process.h"
+#include "experiments/sweep/run_pool.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
@@ -34,13 +38,13 @@ std::string BatchScript(const SweepSpec& spec, size_t runs, const SweepOptions& 
       "#SBATCH --array=1-{}{}\n"
       "#SBATCH --cpus-per-task={}\n"
       "#SBATCH --mem=4G\n"
-      "#SBATCH --time=01:00:00\n"
+      "#SBATCH --time={}\n"
       "#SBATCH --output=/dev/null\n"
       "set -eu\n"
       "cd {}\n"
       "eval \"$(sed -n \"${{SLURM_ARRAY_TASK_ID}}p\" {})\"\n",
-      spec.name, runs, at_once, options.threads, ShellQuoted(fs::current_path().string()),
-      ShellQuoted((fs::absolute(folder) / "runs.txt").string()));
+      core::FileNameFrom(spec.name), runs, at_once, options.threads, std::ceil(LimitOf(spec) / 60.0),
+      ShellQuoted(fs::current_path().string()), ShellQuoted((fs::absolute(folder) / "runs.txt").string()));
 }
 
 }  // namespace
@@ -50,8 +54,17 @@ std::string ShellQuoted(const std::string& word) {
                                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                           "0123456789_-./=:,+%@") == std::string::npos;
   if (plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  const bool one_line = !core::HasControlCharacters(word);
+  std::string quoted = one_line ? "'" : "$'";  // of bash: \x0a for a line end, so that a line stays one
+  for (const char c : word) {
+    if (one_line) {
+      quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    } else if (c >= ' ' && c <= '~' && c != '\'' && c != '\\') {
+      quoted += c;
+    } else {
+      quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    }
+  }
   return quoted + "'";
 }
 
@@ -64,7 +77,9 @@ int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, cons
     fs::create_directories(run.folder);
     std::string line;
     for (const std::string& word : CommandOf(run, remote)) line += ShellQuoted(word) + " ";
-    lines += line + "> " + ShellQuoted((run.folder / "console.log").string()) + " 2>&1\n";
+    const std::string log = ShellQuoted((run.folder / "console.log").string()),
+                      code = ShellQuoted((run.folder / kExitCodeFile).string());
+    lines += fmt::format("rm -f -- {0}; {1}> {2} 2>&1 || echo $? > {0}\n", code, line, log);
   }
   const fs::path script = folder / "sweep.sbatch";
   core::WriteFileAtomically(folder / "runs.txt", lines);
@@ -73,19 +88,23 @@ int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, cons
 
   const fs::path sbatch = FindOnPath("sbatch");
   if (sbatch.empty()) {
-    out << fmt::format("sbatch is not installed here; on the cluster: sbatch {}\n", script.string());
+    out << fmt::format("sbatch is not installed here; on the cluster: sbatch {}\n",
+                       ShellQuoted(script.string()));
     return 0;
   }
   const fs::path log = folder / "sbatch.log";
   ChildProcess child({sbatch.string(), script.string()}, log);
   std::optional<ChildExit> end;
   while (!(end = child.Poll())) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  out << core::ReadFile(log);
+  const std::string answer = core::ReadFile(log);
+  core::TextLines answer_lines(answer);
+  while (const auto line = answer_lines.Next()) out << core::Printable(*line) << "\n";
   if (end->code != 0) {
     out << fmt::format("sbatch failed with code {}\n", end->code);
     return 1;
   }
-  out << fmt::format("when it has ended: atlas sweep {} --out {}\n", spec.name, folder.string());
+  out << fmt::format("when it has ended: atlas sweep {} --out {}\n", ShellQuoted(spec.name),
+                     ShellQuoted(folder.string()));
   return 0;
 }
 

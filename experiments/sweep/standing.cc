@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "experiments/run_settings.h"
+#include "experiments/sweep/run_pool.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
@@ -58,6 +59,9 @@ RunStanding StandingOf(const SweepRun& run) {
   }
   if (!IsFinal(summary.status))
     return {.state = RunState::kBroken, .why = std::string(NameOf(summary.status))};
+  if (EndedOtherwise(run.folder, summary.status))
+    return {.state = RunState::kBroken,
+            .why = fmt::format("exit code not that of {}", NameOf(summary.status))};
   const bool same = summary.config_hash == run.identity->config_hash && summary.seed == run.seed &&
                     summary.commit == run.identity->commit;
   if (same) return {.state = RunState::kDone, .summary = summary};

@@ -22,6 +22,8 @@ struct SweepOptions {
   std::filesystem::path executable = "/proc/self/exe";  ///< what is called as `EXECUTABLE run EXPERIMENT ...`
   std::string command = "./atlas sweep";                ///< what table.md names as its origin
   bool terminal = false;                                ///< the stream rewrites its last line
+  /// A run that is to end gets SIGINT, on which it writes its folder; after these, SIGTERM and SIGKILL.
+  double interrupt_grace_s = 20.0, terminate_grace_s = 10.0;
   /// Polled ten times a second; true ends the sweep with its folder resumable.
   std::function<bool()> should_stop = [] { return false; };
   bool keep_stale = false;  ///< results of another configuration or commit count as done
@@ -37,7 +39,7 @@ struct SweepOptions {
 /// another sweep runs.
 int RunSweep(const SweepSpec& spec, const SweepOptions& options, std::ostream& out);
 
-/// The command of one run.
+/// The command of one run. @throws InputError where a word of it holds a control character.
 std::vector<std::string> CommandOf(const SweepRun& run, const SweepOptions& options);
 
 /// The runs of a sweep, each with its identity. @throws InputError for bad settings.

@@ -30,10 +30,10 @@ class SweepFile {
       throw InputError(fmt::format("{}:{}: {}", path_, error.mark.line + 1, error.msg));
     }
     if (!root_.IsMap()) throw InputError(path_ + ": expected keys such as 'experiments' and 'seeds'");
-    const std::vector<std::string> known = {"doc",      "experiments", "grid",      "seeds",
-                                            "variants", "set",         "estimate_s"};
+    const std::vector<std::string> known = {"doc",      "experiments", "grid",       "seeds",
+                                            "variants", "set",         "estimate_s", "limit_s"};
     for (const auto& entry : root_) {
-      const std::string key = entry.first.as<std::string>();
+      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
       if (std::count(known.begin(), known.end(), key) == 0)
         Fail(entry.first, core::UnknownName("key", key, known));
     }
@@ -44,7 +44,16 @@ class SweepFile {
 
   std::string Text(const YAML::Node& node, const std::string& field) const {
     if (!node.IsScalar() || node.Scalar().empty()) Fail(node, field + ": expected text");
+    core::RefuseControlCharacters(node.Scalar(),
+                                  fmt::format("{}:{}: {}", path_, node.Mark().line + 1, field));
     return node.Scalar();
+  }
+  /// Text that may go over several lines of the file.
+  std::string Prose(const YAML::Node& node, const std::string& field) const {
+    if (!node.IsScalar()) Fail(node, field + ": expected text");
+    std::string text = node.Scalar();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return core::Printable(text);
   }
   std::vector<std::string> TextList(const YAML::Node& node, const std::string& field) const {
     std::vector<std::string> list;
@@ -146,13 +155,14 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
     if (!file.Has(key)) throw InputError(fmt::format("{}: '{}' is missing", file.path(), key));
   }
   const fs::path beside = path.parent_path();
-  if (file.Has("doc")) spec.doc = file.Text(file.At("doc"), "doc");
+  if (file.Has("doc")) spec.doc = file.Prose(file.At("doc"), "doc");
   spec.experiments = file.TextList(file.At("experiments"), "experiments");
   for (std::string& experiment : spec.experiments) experiment = core::FileBeside(beside, experiment);
   spec.seeds = ReadSeeds(file);
   if (file.Has("set")) spec.set = ReadAssignments(file, file.At("set"), "set");
   if (file.Has("estimate_s"))
     spec.estimate_s = file.Number<double>(file.At("estimate_s"), "estimate_s", 0.1, 1e6);
+  if (file.Has("limit_s")) spec.limit_s = file.Number<double>(file.At("limit_s"), "limit_s", 0.1, 1e7);
   if (file.Has("grid")) {
     if (!file.At("grid").IsMap()) file.Fail(file.At("grid"), "grid: expected parameter: [values]");
     for (const auto& entry : file.At("grid")) {
@@ -170,6 +180,11 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
     }
   }
   return spec;
+}
+
+double LimitOf(const SweepSpec& spec) {
+  constexpr double kHourS = 3600.0, kTimesEstimate = 10.0;
+  return spec.limit_s > 0.0 ? spec.limit_s : std::max(kHourS, kTimesEstimate * spec.estimate_s);
 }
 
 std::vector<SweepRun> ExpandSweep(const SweepSpec& spec, const fs::path& out) {

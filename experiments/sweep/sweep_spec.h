@@ -10,6 +10,7 @@
 //   seeds: 3                       # 1, 2, 3; or a list
 //   set: [mission.max_scans=30]    # for all runs
 //   estimate_s: 120                # wall time of a run, until an earlier one tells
+//   limit_s: 3600                  # wall time after which a run is ended and counts as failed
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,11 @@ struct SweepSpec {
   std::vector<uint64_t> seeds;
   std::vector<std::string> set;
   double estimate_s = 120.0;
+  double limit_s = 0.0;  ///< 0: an hour, or ten times the estimate where that is longer
 };
+
+/// Wall time of one run after which it is ended (s).
+double LimitOf(const SweepSpec& spec);
 
 /// A sweep of experiments/configs/sweeps by name, or a user's file. @throws InputError for an unknown name
 /// (suggesting the near one), malformed YAML, an unknown key, a wrong type or an empty list: file, line,

@@ -16,9 +16,15 @@
 extern char** environ;
 
 namespace atlas::experiments {
+namespace {
 
-FfmpegPipe::FfmpegPipe(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words = {"ffmpeg", "-hide_banner", "-nostats", "-loglevel", "error"};
+constexpr int kOutputDescriptor = 3;  // of kOutput
+
+}  // namespace
+
+FfmpegPipe::FfmpegPipe(const std::vector<std::string>& arguments, int output) {
+  // Without -xerror an end of file that cannot be written is no failure.
+  std::vector<std::string> words = {"ffmpeg", "-hide_banner", "-nostats", "-loglevel", "error", "-xerror"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -36,6 +42,8 @@ FfmpegPipe::FfmpegPipe(const std::vector<std::string>& arguments) {
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, messages_, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, messages_, STDERR_FILENO);
+  if (output >= 0)
+    posix_spawn_file_actions_adddup2(&actions, output, kOutputDescriptor);  // the last: may be a source
   const int error = posix_spawnp(&process_, "ffmpeg", &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/files.h"
 #include "core/named_files.h"
+#include "core/safe_text.h"
 
 namespace atlas::experiments {
 namespace {
@@ -38,7 +39,9 @@ class Reader {
   }
   std::string GetText() {
     const auto size = Get<uint32_t>();
-    return {Take(size), size};
+    std::string text(Take(size), size);
+    core::RefuseControlCharacters(text, file_);
+    return text;
   }
   /// A count of items of `item_bytes`, which must still be there.
   size_t GetCount(size_t item_bytes) {

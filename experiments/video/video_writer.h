@@ -2,8 +2,8 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 
+#include "core/temporary_file.h"
 #include "experiments/video/ffmpeg_pipe.h"
 #include "sim/render/colored_mesh.h"
 
@@ -14,7 +14,6 @@ class VideoWriter {
  public:
   /// Width and height are even. @throws InputError where ffmpeg is missing or the folder cannot be written.
   VideoWriter(const std::filesystem::path& path, int width, int height, double frames_per_second);
-  ~VideoWriter();
 
   /// @pre the frame has the video's size. @throws InputError with ffmpeg's own words when it has given up.
   void Add(const sim::RgbImage& frame);
@@ -22,9 +21,9 @@ class VideoWriter {
   void Finish();
 
  private:
-  std::filesystem::path path_, beside_;
+  core::TemporaryFile file_;
   int width_, height_;
-  std::unique_ptr<FfmpegPipe> ffmpeg_;
+  FfmpegPipe ffmpeg_;  ///< ends before its file goes
 };
 
 /// Whole or not at all. @throws InputError where ffmpeg is missing or the file cannot be written.

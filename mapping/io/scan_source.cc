@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/safe_text.h"
 #include "core/text_lines.h"
 #include "mapping/io/bag_source.h"
 #include "mapping/io/scan_graph.h"
@@ -101,6 +102,7 @@ std::vector<fs::path> CloudsOf(const fs::path& folder, const std::string& patter
     const fs::path file = it->path();
     if (!HasCloudExtension(file) || !it->is_regular_file(error)) continue;
     if (::fnmatch(pattern.c_str(), file.filename().c_str(), 0) != 0) continue;
+    core::RefuseControlCharacters(file.filename().string(), folder.string() + ": the name of a cloud");
     files.push_back(folder / file.filename());
     kinds.insert(Lowercase(file.extension().string()));
   }

@@ -166,6 +166,40 @@ TEST_F(MapCommand, InterruptLeavesAWholeMap) {
   ExpectDone("mesh out/map.atlas");
 }
 
+TEST_F(MapCommand, ABrokenScanKeepsTheMapSoFar) {
+  WriteRoomLog();
+  const fs::path second = dir_ / "log/scans/101.000.pcd";
+  fs::resize_file(second, fs::file_size(second) / 2);
+  const Outcome outcome = Atlas("map --scans log --lidar none --resolution 0.1 --out out");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.text.find("101.000.pcd"), std::string::npos) << outcome.text;
+  const nlohmann::json summary = Json("out/summary.json");
+  EXPECT_EQ(summary["status"], "failed");
+  EXPECT_EQ(summary["scans"], 1);
+  EXPECT_NE(std::string(summary["error"]).find("101.000.pcd"), std::string::npos);
+  ExpectDone("mesh out/map.atlas");
+  // Where nothing was mapped there is nothing to keep.
+  fs::resize_file(dir_ / "log/scans/100.000.pcd", 200);
+  ExpectRefusal("map --scans log --lidar none --out none", {"100.000.pcd"});
+  EXPECT_FALSE(fs::exists(dir_ / "none/map.atlas"));
+}
+
+TEST_F(MapCommand, AFileThatDoesNotFitCostsNoOther) {
+  WriteRoomLog();
+  ExpectDone("map --scans log --resolution 0.1 --mesh --out whole");
+  const auto size = [&](const std::string& name) { return fs::file_size(dir_ / "whole" / name); };
+  ASSERT_GT(size("mesh.ply"), size("map.atlas") + 4096);
+  const std::string blocks = std::to_string(size("map.atlas") / 512 + 2);
+  const Outcome outcome =
+      Atlas("list gains > gains; ulimit -f " + blocks + "; '" + atlas::testing::AtlasBinary().string() +
+            "' map --scans log --resolution 0.1 --mesh --out out");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.text.find("cannot write (File too large)"), std::string::npos) << outcome.text;
+  EXPECT_EQ(Json("out/summary.json")["status"], "failed");
+  EXPECT_EQ(atlas::core::ReadFile(dir_ / "out/map.atlas"), atlas::core::ReadFile(dir_ / "whole/map.atlas"));
+  EXPECT_FALSE(fs::exists(dir_ / "out/mesh.ply"));
+}
+
 TEST_F(MapCommand, BadInputIsOneLine) {
   WriteRoomLog();
   ExpectDone("map --scans log --resolution 0.2 --out good");

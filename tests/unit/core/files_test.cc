@@ -153,7 +153,7 @@ TEST_F(FilesTest, WhatADeadProcessLeftIsSweptUp) {
 
 TEST_F(FilesTest, WhatIsBeingWrittenIsNotSweptUp) {
   const TemporaryFile ours(dir_ / "a");
-  // As by a process of another machine on a shared disk: no such process here, but its lock is held.
+  // As by a process of another machine on a shared disk: no such process here.
   const fs::path theirs = dir_ / "b.tmp999999999-0123456789abcdef";
   Plant(theirs.filename(), "");
   const int file = open(theirs.c_str(), O_RDWR);

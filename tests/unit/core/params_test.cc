@@ -93,6 +93,16 @@ TEST_F(ParamFiles, BadInputNamesFileKeyValueAndLimit) {
             std::string::npos);
 }
 
+TEST_F(ParamFiles, ControlCharactersAreRefusedInValuesKeysAndAssignments) {
+  const std::string path = (dir_ / "a.yaml").string();
+  const std::string what = ": holds a control character: ";
+  EXPECT_EQ(Refusal("count: 2\ninner: {name: \"pl\\nain\"}\n"), path + ":2" + what + "'pl\\nain'");
+  EXPECT_EQ(Refusal("words: [a, \"b\\e[2J\"]\n"), path + ":1" + what + "'b\\x1b[2J'");
+  EXPECT_EQ(Refusal("\"co\\tunt\": 2\n"), path + ":1" + what + "'co\\tunt'");
+  EXPECT_EQ(Refusal("", {"inner.name=plain\ntouch x"}), "--set" + what + "'inner.name=plain\\ntouch x'");
+  EXPECT_EQ(Refusal("", {"words=[\"a\\nb\"]"}), "--set:1" + what + "'a\\nb'");
+}
+
 TEST_F(ParamFiles, DumpLoadsBackToTheSameValues) {
   const OuterParams params =
       Load("count: 7\nactive: true\nwords: [a b, c]\ninner: {name: fancy, size_m: 0.625}\n");

@@ -82,6 +82,47 @@ TEST_F(RunRecorderTest, SummaryFollowsTheRows) {
   EXPECT_FALSE(s.miou.has_value());
 }
 
+TEST_F(RunRecorderTest, ARunThatAnExceptionEndedSaysSo) {
+  try {
+    RunRecorder recorder(folder_, identity_);
+    recorder.AddStep(Step(1, 0.4), {});
+    throw std::runtime_error("video");
+  } catch (const std::runtime_error&) {
+  }
+  const RunSummary summary = LoadRunSummary(folder_);
+  EXPECT_EQ(summary.status, RunStatus::kFailed);
+  EXPECT_EQ(summary.stop_reason, StopReason::kError);
+  EXPECT_EQ(summary.scans, 1);
+}
+
+TEST_F(RunRecorderTest, TheFinalStatusIsWrittenAfterEveryOtherFile) {
+  {
+    RunRecorder recorder(folder_, identity_);
+    recorder.AddStep(Step(1, 0.4), {});
+    for (const char* name : {"steps.csv", "coverage.svg"}) {
+      fs::remove(folder_ / name);
+      fs::create_directories(folder_ / name / "in the way");
+      EXPECT_THROW(recorder.Finish(RunStatus::kCompleted, StopReason::kGainExhausted, 1.0, 1.0, 1.0),
+                   core::InputError);
+      EXPECT_EQ(LoadRunSummary(folder_).status, RunStatus::kInterrupted) << name;
+      fs::remove_all(folder_ / name);
+    }
+    recorder.Finish(RunStatus::kCompleted, StopReason::kGainExhausted, 1.0, 1.0, 1.0);
+  }
+  EXPECT_EQ(LoadRunSummary(folder_).status, RunStatus::kCompleted);
+}
+
+TEST_F(RunRecorderTest, ControlCharactersInASummaryAreRefused) {
+  identity_.experiment = "heli\x1b[2J\ncopter";
+  try {
+    SummaryFromJson(ToJson(identity_), "summary.json");
+    FAIL();
+  } catch (const core::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "summary.json: experiment: holds a control character: 'heli\\x1b[2J\\ncopter'");
+  }
+}
+
 TEST_F(RunRecorderTest, SummaryKeysStandInTheDocumentedOrder) {
   RunSummary s = identity_;
   s.submaps = 3;

@@ -154,6 +154,40 @@ TEST_F(ReportTest, CollectsRunsBelowAndLeavesDamagedOnesOutByName) {
   }
 }
 
+TEST_F(ReportTest, NamesOfExperimentsNeverLeadOutOfItsFolder) {
+  int seed = 0;
+  for (const char* experiment :
+       {"x/../../../escaped", "x/../..", "/tmp/escaped", "..", "a b", "a-b", "-rf"}) {
+    WriteRun("runs/" + std::to_string(++seed), RunOf(experiment, 1, 0.7));
+  }
+  const auto files = [&] {
+    size_t count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(root_)) count += entry.is_regular_file();
+    return count;
+  };
+  const size_t before = files();
+  fs::create_directories(root_ / "deep/er/out/coverage_x");  // as a path through it would need
+  std::ostringstream log;
+  EXPECT_EQ(RunReport({root_ / "runs"}, root_ / "deep/er/out", log), 0);
+  size_t plots = 0, inside = 0;
+  for (const auto& entry : fs::directory_iterator(root_ / "deep/er/out")) {
+    plots += entry.path().extension() == ".svg";
+    inside += entry.is_regular_file();
+  }
+  EXPECT_EQ(plots, 7u);  // each its own
+  EXPECT_EQ(files(), before + inside);
+  EXPECT_FALSE(fs::exists("/tmp/escaped.svg"));
+}
+
+TEST_F(ReportTest, RunsWithControlCharactersAreLeftOutByName) {
+  WriteRun("good/1", RunOf("car", 1, 0.7));
+  WriteRun("bad/1", RunOf("c\x1b[2Jar", 1, 0.7));
+  std::ostringstream log;
+  EXPECT_EQ(RunReport({root_}, root_ / "out", log), 0);
+  EXPECT_NE(log.str().find("holds a control character: 'c\\x1b[2Jar'"), std::string::npos);
+  EXPECT_EQ(log.str().find('\x1b'), std::string::npos);
+}
+
 TEST_F(ReportTest, FoldersWithoutAnyRunAreBadInput) {
   fs::create_directories(root_);
   std::ostringstream log;

@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
@@ -169,6 +171,55 @@ TEST_F(VideoTest, AbandonedVideoLeavesNoFile) {
     VideoWriter writer(folder_ / "video.mp4", 64, 48, 25.0);
     writer.Add({64, 48, std::vector<uint8_t>(64 * 48 * 3)});
   }
+  EXPECT_EQ(FilesInFolder(), 0u);
+}
+
+TEST_F(VideoTest, NamesAreFilesWhateverTheyLookLike) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_);
+  const sim::RgbImage frame{16, 16, std::vector<uint8_t>(16 * 16 * 3, 99)};
+  const std::vector<std::string> names = {"-y.mp4",         "pipe:1",   "http:x.mp4",
+                                          "concat:a|b.mp4", "%03d.mp4", "a b.mp4"};
+  for (const std::string& name : names) {
+    VideoWriter writer(name, 16, 16, 25.0);
+    writer.Add(frame);
+    writer.Finish();
+    WritePng(name + ".png", frame);
+    EXPECT_TRUE(core::ReadFile(name).substr(4).starts_with("ftyp")) << name;
+    EXPECT_TRUE(core::ReadFile(name + ".png").substr(1).starts_with("PNG")) << name;
+  }
+  fs::current_path(before);
+  EXPECT_EQ(FilesInFolder(), 2 * names.size());
+}
+
+TEST_F(VideoTest, LinksPlantedAtItsNamesAreNotFollowed) {
+  core::WriteFileAtomically(folder_ / "victim", "untouched");
+  const std::string process = std::to_string(::getpid());
+  fs::create_symlink(folder_ / "victim", folder_ / ("video.mp4.tmp" + process));
+  fs::create_symlink(folder_ / "victim", folder_ / "video.mp4");
+  VideoWriter writer(folder_ / "video.mp4", 16, 16, 25.0);
+  writer.Add({16, 16, std::vector<uint8_t>(16 * 16 * 3)});
+  writer.Finish();
+  EXPECT_EQ(core::ReadFile(folder_ / "victim"), "untouched");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "video.mp4"));
+}
+
+TEST_F(VideoTest, AVideoThatDoesNotFitIsAnErrorAndLeavesNothing) {
+  rlimit before;
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit limit{200, before.rlim_max};
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &limit);
+  EXPECT_THROW(
+      {
+        VideoWriter writer(folder_ / "video.mp4", 64, 48, 25.0);
+        for (uint8_t i = 0; i < 30; ++i)
+          writer.Add({64, 48, std::vector<uint8_t>(64 * 48 * 3, static_cast<uint8_t>(8 * i))});
+        writer.Finish();
+      },
+      core::InputError);
+  setrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, handler);
   EXPECT_EQ(FilesInFolder(), 0u);
 }
 

@@ -69,6 +69,16 @@ TEST(NaturalOrder, CountsByValue) {
   EXPECT_FALSE(NaturalLess("x", "x"));
 }
 
+TEST_F(RecordedLogTest, NamesWithControlCharactersAreRefused) {
+  Write("scans/1.0.pcd", Single(1));
+  Write("scans/2\n.0.pcd", Single(2));
+  RecordedLogOptions options;
+  options.scans = Path("");
+  EXPECT_NE(ErrorOf(options).find("scans: the name of a cloud: holds a control character: '2\\n.0.pcd'"),
+            std::string::npos)
+      << ErrorOf(options);
+}
+
 TEST_F(RecordedLogTest, ScansMeetPosesByTheTimeInTheirNames) {
   for (const double t : {99.5, 100.1, 100.25, 105.0}) Write(fmt::format("s/{:.3f}.pcd", t), Single(t));
   Write("poses.tum", "100 0 0 0 0 0 0 1\n100.12 12 0 0 0 0 0 1\n100.3 30 0 0 0 0 0 1\n");

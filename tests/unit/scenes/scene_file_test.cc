@@ -116,6 +116,16 @@ TEST_F(SceneFile, EveryMistakeGivesOneLineThatNamesItsPlace) {
   }
 }
 
+TEST_F(SceneFile, ControlCharactersAreRefusedAndProseMayHaveLines) {
+  const std::string part = "parts: [{primitive: box, size: [1, 1, 1]";
+  for (const std::string value : {"name: \"a\\nb\"", "name: \"a\\e[2Jb\""}) {
+    const std::string error = ErrorOf(kHead + part + ", " + value + "}]\n");
+    EXPECT_NE(error.find("scene.yaml:3: parts[0].name: holds a control character"), std::string::npos)
+        << error;
+  }
+  EXPECT_EQ(ErrorOf("doc: |\n  two\n  lines\n" + kHead + part + "}]\n"), "no error");
+}
+
 TEST_F(SceneFile, PlyIsReadInEveryFormatAndRefusedWhenCutShort) {
   const std::string head =
       "element vertex 4\nproperty float x\nproperty float y\nproperty double z\nelement face 2\nproperty "

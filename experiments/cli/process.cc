@@ -1,0 +1,42 @@
+#include "experiments/cli/process.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <iostream>
+
+#include "core/errors.h"
+#include "core/safe_text.h"
+#include "experiments/interrupt.h"
+
+namespace atlas::experiments {
+namespace {
+
+void CheckArguments(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) core::RefuseControlCharacters(argv[i], fmt::format("argument {}", i));
+}
+
+int FinishOutput(int code) {
+  std::cout.flush();
+  if (std::cout) return code;
+  std::cerr << "\natlas: standard output: cannot write\n";
+  return code == 0 ? 1 : code;
+}
+
+}  // namespace
+
+int RunProcess(int argc, char** argv, const std::function<int()>& command) {
+  TakeFileSizeLimitsAsErrors();
+  try {
+    CheckArguments(argc, argv);
+    return FinishOutput(command());
+  } catch (const core::InputError& error) {
+    std::cerr << "\natlas: " << error.what() << "\n";
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << "\natlas: internal error: " << core::Printable(error.what()) << "\n";
+    return 1;
+  }
+}
+
+}  // namespace atlas::experiments
