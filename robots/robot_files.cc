@@ -66,7 +66,9 @@ Model ReadModel(const fs::path& mjcf) {
 AssetFolders FoldersOf(const ptree& tree, const fs::path& mjcf) {
   const fs::path folder = fs::absolute(mjcf).parent_path();
   AssetFolders folders{folder, folder};
-  for (const auto& [tag, child] : tree.get_child("mujoco", {})) {
+  const auto model = tree.find("mujoco");
+  if (model == tree.not_found()) throw core::InputError(mjcf.string() + ": no element 'mujoco'");
+  for (const auto& [tag, child] : model->second) {
     if (tag != "compiler") continue;
     folders.meshes = folder / child.get("<xmlattr>.meshdir", "");
     folders.textures = folder / child.get("<xmlattr>.texturedir", "");
