@@ -39,8 +39,8 @@ std::vector<fs::path> RunFoldersBelow(const fs::path& root) {
 
 std::string CommandOf(const std::vector<fs::path>& folders, const fs::path& out) {
   std::string command = "./atlas report";
-  for (const fs::path& folder : folders) command += " " + folder.string();
-  return out.empty() ? command : command + " --out " + out.string();
+  for (const fs::path& folder : folders) command += fmt::format(" {}", folder.string());
+  return out.empty() ? command : fmt::format("{} --out {}", command, out.string());
 }
 
 void WritePlots(const std::vector<RunGroup>& groups, const fs::path& folder) {
