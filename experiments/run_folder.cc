@@ -13,15 +13,27 @@ namespace fs = std::filesystem;
 namespace {
 
 /// What runs write; a forced run removes these, and nothing else that lies there.
-constexpr const char* kRunFiles[] = {"summary.json",        "config.yaml",
-                                     "steps.csv",           "timings.csv",
-                                     "candidates.csv",      "coverage_by_part.csv",
-                                     "coverage.svg",        "trajectory_truth.tum",
-                                     "trajectory_odom.tum", "alignment.txt",
-                                     "cloud.ply",           "ground_truth.ply",
-                                     "map.atlas",           "map.bt",
-                                     "recording.bin",       "terrain.bin",
-                                     "video.mp4",           "log.txt"};
+constexpr const char* kRunFiles[] = {"summary.json",
+                                     "config.yaml",
+                                     "steps.csv",
+                                     "timings.csv",
+                                     "candidates.csv",
+                                     "coverage_by_part.csv",
+                                     "coverage.svg",
+                                     "trajectory_truth.tum",
+                                     "trajectory_odom.tum",
+                                     "alignment.txt",
+                                     "cloud.ply",
+                                     "ground_truth.ply",
+                                     "map.atlas",
+                                     "map.bt",
+                                     "recording.bin",
+                                     "terrain.pgm",
+                                     "terrain.yaml",
+                                     "blocked_ways.csv",
+                                     "exit_code",
+                                     "video.mp4",
+                                     "log.txt"};
 
 [[noreturn]] void CannotMake(const fs::path& folder, const std::error_code& error) {
   throw core::InputError(fmt::format("{}: cannot make this folder ({})", folder.string(), error.message()));
