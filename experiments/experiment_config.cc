@@ -79,8 +79,12 @@ void UseDefaultsOf(const std::string& planner, const std::optional<std::string>&
 }  // namespace
 
 std::vector<ExperimentEntry> ListExperiments() {
+  return ListYaml(core::InstalledFile("experiments/configs"));
+}
+
+std::vector<ExperimentEntry> ListYaml(const fs::path& folder) {
   std::vector<ExperimentEntry> entries;
-  for (const auto& file : fs::directory_iterator(core::InstalledFile("experiments/configs"))) {
+  for (const auto& file : fs::directory_iterator(folder)) {
     if (file.path().extension() != ".yaml") continue;
     const std::string text = core::ReadFile(file.path());
     const std::string doc = text.starts_with("# ") ? text.substr(2, text.find('\n') - 2) : "";

@@ -64,5 +64,7 @@ struct ExperimentEntry {
   std::string doc;
 };
 std::vector<ExperimentEntry> ListExperiments();
+/// The YAML files of a folder by name, sorted; `doc` is a first line that is a comment.
+std::vector<ExperimentEntry> ListYaml(const std::filesystem::path& folder);
 
 }  // namespace atlas::experiments

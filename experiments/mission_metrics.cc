@@ -10,6 +10,7 @@
 #include "experiments/metrics/scored_files.h"
 #include "experiments/run_identity.h"
 #include "experiments/thesis_deviations.h"
+#include "experiments/version.h"
 
 namespace atlas::experiments {
 namespace {
@@ -35,7 +36,7 @@ RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) 
   s.gain = config.planner.gain;
   s.worth = WorthOf(config.planner);
   s.deviations = fmt::format("{}", fmt::join(DeviationsFromThesis(config), "; "));
-  s.version = ATLAS_VERSION;
+  s.version = Version();
   s.commit = identity.commit;
   s.config_hash = identity.config_hash;
   s.scene_hash = identity.settings.at("scene.name");

@@ -62,8 +62,14 @@ struct RecordArguments {
 };
 int RecordCommand(const RecordArguments& arguments);
 
-int ListCommand(const std::string& what, bool verbose);
+/// Prints the entries of a kind, or the kinds where it is empty.
+int ListCommand(const std::string& kind, bool verbose);
+std::vector<std::string> ListKinds();
+/// @throws InputError for an unknown kind, naming the near one.
+std::vector<std::string> NamesOfKind(const std::string& kind);
+
 int ExplainCommand(const std::string& experiment, const std::vector<std::string>& assignments);
+
 struct BenchArguments {
   std::string what;   ///< lidar | mapper | motion
   std::string scene;  ///< only this one

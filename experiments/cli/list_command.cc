@@ -3,9 +3,13 @@
 #include <iostream>
 
 #include "core/errors.h"
+#include "core/files.h"
+#include "core/labels.h"
+#include "core/lidar_model.h"
 #include "experiments/cli/commands.h"
 #include "experiments/experiment_config.h"
 #include "experiments/metrics/run_summary.h"
+#include "experiments/sweep/sweep_spec.h"
 #include "mapping/mapper.h"
 #include "planner/gain/gain.h"
 #include "planner/nbv_planner.h"
@@ -15,15 +19,87 @@
 namespace atlas::experiments {
 namespace {
 
+struct Entry {
+  std::string name, doc;
+};
+
 template <typename Entries>
-void PrintEntries(const Entries& entries) {
-  size_t width = 0;
-  for (const auto& entry : entries) width = std::max(width, entry.name.size());
-  for (const auto& entry : entries) std::cout << fmt::format("{:<{}}  {}\n", entry.name, width, entry.doc);
+std::vector<Entry> EntriesOf(const Entries& catalogue) {
+  std::vector<Entry> entries;
+  for (const auto& entry : catalogue) entries.push_back({entry.name, entry.doc});
+  return entries;
 }
 
-void PrintScenes(bool verbose) {
-  if (!verbose) return PrintEntries(scenes::Catalog());
+std::vector<Entry> Metrics() {
+  std::vector<Entry> entries;
+#define X(key) entries.push_back({#key, ""});
+  ATLAS_SUMMARY_NUMBERS(X)
+#undef X
+  return entries;
+}
+
+std::vector<Entry> Sweeps() {
+  std::vector<Entry> entries;
+  for (const std::string& name : SweepNames()) entries.push_back({name, LoadSweep(name).doc});
+  return entries;
+}
+
+std::vector<Entry> Lidars() {
+  std::vector<Entry> entries;
+  for (const std::string& name : core::LidarModelNames()) {
+    const core::LidarModel m = core::FindLidarModel(name);
+    entries.push_back(
+        {name,
+         fmt::format("{} beams from {:.1f} to {:.1f} deg, {} columns, {:.1f} to {:.0f} m, "
+                     "range noise {:.0f} mm",
+                     m.rows(), core::Degrees(m.elevation_rad.back()), core::Degrees(m.elevation_rad.front()),
+                     m.columns, m.min_range_m, m.max_range_m, 1000.0 * m.range_sigma_m)});
+  }
+  return entries;
+}
+
+std::vector<Entry> Labels() {
+  std::vector<Entry> entries;
+  for (size_t i = 0; i < core::kLabelCount; ++i) {
+    const core::LabelInfo& info = core::InfoOf(static_cast<core::Label>(i));
+    entries.push_back(
+        {std::string(info.name), fmt::format("#{:02x}{:02x}{:02x}", info.rgb[0], info.rgb[1], info.rgb[2])});
+  }
+  return entries;
+}
+
+struct Kind {
+  std::string name, doc;
+  std::vector<Entry> (*entries)();
+};
+
+const std::vector<Kind>& Kinds() {
+  static const std::vector<Kind> kinds = {
+      {"experiments", "what atlas run takes", [] { return EntriesOf(ListExperiments()); }},
+      {"sweeps", "what atlas sweep takes", Sweeps},
+      {"scenes", "--set scene=NAME, atlas record", [] { return EntriesOf(scenes::Catalog()); }},
+      {"robots", "--set robot=NAME", [] { return EntriesOf(robots::Catalog()); }},
+      {"lidars", "--set sensors.lidar=NAME, atlas record --lidar", Lidars},
+      {"mappers", "--set mapper=NAME", [] { return EntriesOf(mapping::Catalog()); }},
+      {"planners", "--set planner=NAME", [] { return EntriesOf(planner::PlannerCatalog()); }},
+      {"gains", "--set planner.gain=NAME", [] { return EntriesOf(planner::GainCatalog()); }},
+      {"routes", "ways through scenes, of atlas record",
+       [] { return EntriesOf(ListYaml(core::InstalledFile("scenes/routes"))); }},
+      {"labels", "what parts of a scene file may be", Labels},
+      {"metrics", "numbers in summary.json", Metrics}};
+  return kinds;
+}
+
+void Print(const std::vector<Entry>& entries) {
+  size_t width = 0;
+  for (const Entry& entry : entries) width = std::max(width, entry.name.size());
+  for (const Entry& entry : entries) {
+    std::cout << (entry.doc.empty() ? entry.name : fmt::format("{:<{}}  {}", entry.name, width, entry.doc))
+              << "\n";
+  }
+}
+
+void PrintSceneAreas() {
   for (const auto& entry : scenes::Catalog()) {
     const scenes::SceneSpec scene = entry.build();
     const scenes::GroundTruth truth = scenes::SampleGroundTruth(scene, scene.truth_spacing_m);
@@ -46,32 +122,34 @@ void PrintScenes(bool verbose) {
   }
 }
 
-void PrintMetrics() {
-#define X(key) std::cout << #key << "\n";
-  ATLAS_SUMMARY_NUMBERS(X)
-#undef X
+const Kind& FindKind(const std::string& name) {
+  for (const Kind& kind : Kinds()) {
+    if (kind.name == name) return kind;
+  }
+  throw core::InputError(core::UnknownName("kind", name, ListKinds()));
 }
 
 }  // namespace
 
-int ListCommand(const std::string& what, bool verbose) {
-  if (what == "scenes") {
-    PrintScenes(verbose);
-  } else if (what == "robots") {
-    PrintEntries(robots::Catalog());
-  } else if (what == "gains") {
-    PrintEntries(planner::GainCatalog());
-  } else if (what == "mappers") {
-    PrintEntries(mapping::Catalog());
-  } else if (what == "planners") {
-    PrintEntries(planner::PlannerCatalog());
-  } else if (what == "experiments") {
-    PrintEntries(ListExperiments());
-  } else if (what == "metrics") {
-    PrintMetrics();
+std::vector<std::string> ListKinds() {
+  std::vector<std::string> names;
+  for (const Kind& kind : Kinds()) names.push_back(kind.name);
+  return names;
+}
+
+std::vector<std::string> NamesOfKind(const std::string& kind) {
+  std::vector<std::string> names;
+  for (const Entry& entry : FindKind(kind).entries()) names.push_back(entry.name);
+  return names;
+}
+
+int ListCommand(const std::string& kind, bool verbose) {
+  if (kind.empty()) {
+    Print(EntriesOf(Kinds()));
+  } else if (kind == "scenes" && verbose) {
+    PrintSceneAreas();
   } else {
-    throw core::InputError(core::UnknownName(
-        "list", what, {"scenes", "robots", "gains", "mappers", "planners", "experiments", "metrics"}));
+    Print(FindKind(kind).entries());
   }
   return 0;
 }

@@ -1,9 +1,7 @@
 // `atlas map`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -49,8 +47,5 @@ struct ExportArguments {
   std::filesystem::path map, out;
 };
 int ExportCommand(const ExportArguments& arguments);
-
-/// Adds the four to the command line; parsing sets `action` to the chosen one.
-void AddMapCommands(CLI::App* app, int threads, std::function<int()>* action);
 
 }  // namespace atlas::experiments

@@ -1,16 +1,10 @@
 #include <memory>
 
+#include "experiments/cli/command_line.h"
 #include "experiments/cli/map_commands.h"
 
 namespace atlas::experiments {
 namespace {
-
-using Action = std::function<int()>;
-
-void AddThreads(CLI::App* command, int* threads) {
-  command->add_option("--threads", *threads, "threads; results do not depend on it")
-      ->check(CLI::Range(1, 64));
-}
 
 void AddScanOptions(CLI::App* map, MapArguments* a) {
   map->add_option("--scans", a->log.scans,
@@ -25,19 +19,17 @@ void AddScanOptions(CLI::App* map, MapArguments* a) {
                   "TUM file at a high rate: a pose for each ray where clouds tell their times");
   map->add_option("--calib", a->log.calibration, "the LiDAR in the frame whose poses were recorded");
   map->add_option(
-         "--lidar", a->log.lidar,
-         "beams of organised clouds: auto, estimate, none, vlp16, os1_64, os0_64 or Ouster FILE.json")
-      ->capture_default_str();
+      "--lidar", a->log.lidar,
+      "beams of organised clouds: auto, estimate, none, vlp16, os1_64, os0_64 or Ouster FILE.json");
   map->add_option("--no-return", a->no_return,
                   "points without return: void (free space) or dropout (nothing)")
-      ->check(CLI::IsMember({"void", "dropout"}))
-      ->capture_default_str();
+      ->check(OneOf("points without return", {"void", "dropout"}));
   map->add_option("--max-dt", a->log.max_dt_s, "s: a scan meets poses so near to the time in its name")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.0, 10.0));
   map->add_option("--min-range", a->log.min_range_m, "m: nearer returns carry no information")
       ->check(CLI::Range(0.0, 20.0));
-  map->add_option("--limit", a->limit, "only the first so many scans")->check(CLI::Range(1, 100000000));
+  map->add_option("--limit", a->limit, "only the first so many scans (0: all)")
+      ->check(CLI::Range(0, 100000000));
   map->add_flag("--skip-unreadable", a->skip_unreadable, "go on past clouds that cannot be read");
 }
 
@@ -47,16 +39,13 @@ void AddMap(CLI::App* app, int threads, Action* action) {
   CLI::App* map = app->add_subcommand("map", "Map recorded LiDAR: scans and poses to map.atlas, cloud, mesh");
   AddScanOptions(map, a.get());
   map->add_option("--resolution", a->resolution_m, "m: edge of the smallest voxel")
-      ->check(CLI::Range(0.005, 2.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.005, 2.0));
   map->add_option("--max-range", a->max_range_m, "m: longer returns are free space up to here")
-      ->check(CLI::Range(1.0, 500.0))
-      ->capture_default_str();
-  map->add_option("--field", a->field, "occupancy or tsdf")
-      ->check(CLI::IsMember({"occupancy", "tsdf"}))
-      ->capture_default_str();
-  map->add_option("--local", a->local_radius_m, "m: a rolling map, cropped to this about the LiDAR")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(CLI::Range(1.0, 500.0));
+  map->add_option("--field", a->field, "occupancy or tsdf")->check(OneOf("field", {"occupancy", "tsdf"}));
+  map->add_option("--local", a->local_radius_m,
+                  "m: a rolling map, cropped to this about the LiDAR (0: all is kept)")
+      ->check(CLI::Range(0.0, 1000.0));
   map->add_flag("--mesh", a->mesh, "write mesh.ply too");
   map->add_option("--set", a->assignments, "mapper.key=value: any parameter of the integrator")->take_all();
   map->add_option("--out", a->out, "folder (default runs/map/NAME)");
@@ -87,14 +76,10 @@ void AddEval(CLI::App* app, int threads, Action* action) {
   eval->add_option("--radius", a->radii_m, "m: of coverage; several (default 0.043 0.086)")
       ->check(CLI::Range(0.001, 10.0));
   eval->add_option("--points", a->points, "of a map: mesh (samples of its surface) or voxels (their centres)")
-      ->check(CLI::IsMember({"mesh", "voxels"}))
-      ->capture_default_str();
-  eval->add_option("--spacing", a->spacing_m, "m between samples of a mesh")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
+      ->check(OneOf("points", {"mesh", "voxels"}));
+  eval->add_option("--spacing", a->spacing_m, "m between samples of a mesh")->check(CLI::Range(0.001, 1.0));
   eval->add_option("--distance-limit", a->limit_m, "m: longer distances count as this")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.01, 10.0));
   eval->add_option("--json", a->json, "write the numbers here too");
   AddThreads(eval, &a->threads);
   eval->callback([=] { *action = [=] { return EvalCommand(*a); }; });

@@ -1,0 +1,34 @@
+// The command line: each group of commands adds its own to the parser. What includes this is compiled as one
+// unit (experiments/CMakeLists.txt), since the parser's header is slow to compile.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace atlas::experiments {
+
+/// What the chosen command does; returns the process's exit code.
+using Action = std::function<int()>;
+
+/// Each adds commands whose parsing sets `action`. `threads` is the default of their --threads.
+void AddRunCommands(CLI::App* app, int threads, Action* action);    // run, render, explain, list
+void AddSweepCommands(CLI::App* app, int threads, Action* action);  // sweep, report, record, bench
+void AddMapCommands(CLI::App* app, int threads, Action* action);    // map, mesh, eval, export
+void AddShellCommands(CLI::App* app, Action* action);               // completion, help
+
+/// --threads, 1 to 64.
+void AddThreads(CLI::App* command, int* threads);
+/// Accepts these names only; others are answered with the near one.
+CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& names);
+
+/// The options of `app` as they are written: "--seed", "-h".
+std::vector<std::string> OptionsOf(const CLI::App& app);
+/// @throws InputError for an unknown command or option, naming the near one.
+void CheckNames(const CLI::App& app, int argc, const char* const* argv);
+
+/// A script for bash that completes the commands of `app`, their options and the names in the catalogues.
+std::string BashCompletion(const CLI::App& app);
+
+}  // namespace atlas::experiments
