@@ -6,6 +6,7 @@
 #include "core/files.h"
 #include "core/labels.h"
 #include "core/lidar_model.h"
+#include "experiments/cli/camera_note.h"
 #include "experiments/cli/commands.h"
 #include "experiments/experiment_config.h"
 #include "experiments/metrics/run_summary.h"
@@ -167,6 +168,7 @@ int ExplainCommand(const std::string& experiment, const std::vector<std::string>
                              row.value + " " + row.unit, value_width, row.range, range_width, row.doc,
                              row.origin);
   }
+  TellOfMissingCamera(config.rows);
   return 0;
 }
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <iostream>
@@ -7,6 +8,7 @@
 #include "experiments/interrupt.h"
 #include "experiments/report/report.h"
 #include "experiments/run_identity.h"
+#include "experiments/sweep/slurm.h"
 #include "experiments/sweep/sweep.h"
 
 namespace atlas::experiments {
@@ -17,8 +19,9 @@ int SweepCommand(const SweepArguments& arguments) {
   options.threads = arguments.threads;
   options.out = arguments.out;
   options.slurm = arguments.slurm;
-  options.command = "./atlas sweep " + arguments.name;
-  if (!arguments.out.empty()) options.command += " --out " + arguments.out.string();
+  options.command = fmt::format("./atlas sweep {}", ShellQuoted(arguments.name));
+  if (!arguments.out.empty())
+    options.command += fmt::format(" --out {}", ShellQuoted(arguments.out.string()));
   if (arguments.keep_stale) options.command += " --keep-stale";
   options.terminal = isatty(STDOUT_FILENO) == 1;
   options.should_stop = Interrupted;

@@ -146,6 +146,10 @@ TEST_F(Losses, ACameraThatCannotStartIsSaidFirstAndInTheSummary) {
   EXPECT_EQ(Summary()["render_backend"], "none");
   EXPECT_NE(said.find(Summary()["render_problem"]), std::string::npos);
   EXPECT_TRUE(ReadFile(dir_ / "run/log.txt").starts_with("no depth camera: "));
+  Child explain({atlas::testing::AtlasBinary().string(), "explain", "car"}, options);
+  EXPECT_EQ(explain.Wait(), 0);
+  EXPECT_NE(ReadFile(dir_ / "stderr").find("sensors.depth_camera: cannot start on this machine"),
+            std::string::npos);
 }
 
 TEST_F(Losses, AVideoThatIsKilledFailsTheRunAndKeepsTheRest) {
