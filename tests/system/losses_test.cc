@@ -29,10 +29,9 @@ class Losses : public atlas::testing::CommandLine {
     for (const std::string& set : sets) arguments.insert(arguments.end(), {"--set", set});
     return arguments;
   }
-  /// One whose preparation takes minutes: nothing is cached, and the truth is fine.
+  /// One whose preparation takes minutes, for nothing is cached.
   std::vector<std::string> LongPreparation() const {
-    return {atlas::testing::AtlasBinary().string(), "run", "house", "--out", "run", "--threads", "1", "--set",
-            "mission.truth_spacing_m=0.005"};
+    return {atlas::testing::AtlasBinary().string(), "run", "house", "--out", "run", "--threads", "1"};
   }
   ChildOptions Options() const {
     return {.folder = dir_,
@@ -88,7 +87,7 @@ TEST_F(Losses, AClosedPipeEndsARunWithItsSummary) {
 
 TEST_F(Losses, AFileThatDoesNotFitFailsTheRunAndSaysSo) {
   ChildOptions options = Options();
-  options.largest_file = 6000;  // summary.json fits, ground_truth.ply does not
+  options.largest_file = 30000;  // summary.json fits, ground_truth.ply does not
   Child run(ShortRun(), options);
   EXPECT_EQ(run.Wait(), 2);
   EXPECT_EQ(Summary()["status"], "failed");
@@ -97,7 +96,7 @@ TEST_F(Losses, AFileThatDoesNotFitFailsTheRunAndSaysSo) {
 }
 
 TEST_F(Losses, ASweepEndsWithItsChildrenWhateverEndsIt) {
-  Write("spec.yaml", "experiments: [house]\nseeds: 1\nset: [mission.truth_spacing_m=0.005]\n");
+  Write("spec.yaml", "experiments: [house]\nseeds: 1\n");
   const auto orphans = [&] {  // processes that name this test's folder
     size_t count = 0;
     std::error_code error;
