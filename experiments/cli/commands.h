@@ -38,6 +38,7 @@ struct SweepArguments {
   int threads = 1;   ///< of each run
   std::filesystem::path out;
   bool slurm = false;
+  double limit_s = 0.0;     ///< wall time of a run after which it is ended; 0: the sweep's own
   bool keep_stale = false;  ///< results of another configuration or commit count as done
 };
 int SweepCommand(const SweepArguments& arguments);

@@ -29,7 +29,8 @@ int SweepCommand(const SweepArguments& arguments) {
   options.identify = [](const std::string& experiment, const std::vector<std::string>& assignments) {
     return IdentityOf(LoadExperiment(experiment, assignments));
   };
-  const SweepSpec spec = LoadSweep(arguments.name);
+  SweepSpec spec = LoadSweep(arguments.name);
+  if (arguments.limit_s > 0.0) spec.limit_s = arguments.limit_s;
   StopInOrderOnSignal();
   return RunSweep(spec, options, std::cout);
 }

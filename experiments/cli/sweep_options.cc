@@ -15,6 +15,8 @@ void AddSweep(CLI::App* app, Action* action) {
   sweep->add_option("--jobs", a->jobs, "runs at a time (0: as many as cores)")->check(CLI::Range(0, 1024));
   sweep->add_option("--threads", a->threads, "threads of each run")->check(CLI::Range(1, 64));
   sweep->add_option("--out", a->out, "folder (default: runs/sweep_NAME)");
+  sweep->add_option("--limit", a->limit_s, "s of wall time, then a run is ended (0: limit_s of the sweep)")
+      ->check(CLI::Range(0.0, 1e7));
   sweep->add_flag("--keep-stale", a->keep_stale, "count results of another configuration or commit as done");
   sweep->add_flag("--slurm", a->slurm, "hand the runs to a Slurm array");
   sweep->callback([=] { *action = [=] { return SweepCommand(*a); }; });
