@@ -29,7 +29,6 @@ TEST_F(CommandLine, UnknownNamesSuggestTheNearOne) {
   ExpectRefusal("run helicopter --set robot=quadrupled", {"did you mean 'quadruped'"});
   ExpectRefusal("list scene", {"did you mean 'scenes'"});
   ExpectRefusal("runn helicopter", {"runn", "did you mean 'run'"});
-  ExpectRefusal("run helicopter --sed 1", {"--sed"});
 }
 
 TEST_F(CommandLine, BadValuesNameKeyValueAndLimit) {
