@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/params.h"
+
 namespace atlas::experiments {
 
 struct RunArguments {
@@ -69,7 +71,16 @@ std::vector<std::string> ListKinds();
 /// @throws InputError for an unknown kind, naming the near one.
 std::vector<std::string> NamesOfKind(const std::string& kind);
 
-int ExplainCommand(const std::string& experiment, const std::vector<std::string>& assignments);
+struct ExplainArguments {
+  std::string what;                   ///< experiment, FILE.yaml, or "map": what `atlas map` takes
+  std::vector<std::string> prefixes;  ///< only keys that begin with one of these; empty: all
+  std::vector<std::string> assignments;
+};
+int ExplainCommand(const ExplainArguments& arguments);
+/// "KEY = VALUE UNIT | RANGE | ORIGIN | MEANING", a line a parameter in the order of declaration. A line
+/// depends on its own parameter only, so that two outputs compare line by line. @throws InputError for a
+/// prefix that no key begins with.
+std::string ExplainText(const std::vector<core::ParamRow>& rows, const std::vector<std::string>& prefixes);
 
 struct BenchArguments {
   std::string what;   ///< lidar | mapper | motion

@@ -6,7 +6,6 @@
 #include "core/files.h"
 #include "core/labels.h"
 #include "core/lidar_model.h"
-#include "experiments/cli/camera_note.h"
 #include "experiments/cli/commands.h"
 #include "experiments/experiment_config.h"
 #include "experiments/metrics/run_summary.h"
@@ -152,23 +151,6 @@ int ListCommand(const std::string& kind, bool verbose) {
   } else {
     Print(FindKind(kind).entries());
   }
-  return 0;
-}
-
-int ExplainCommand(const std::string& experiment, const std::vector<std::string>& assignments) {
-  const ExperimentConfig config = LoadExperiment(experiment, assignments);
-  size_t path_width = 0, value_width = 0, range_width = 0;
-  for (const core::ParamRow& row : config.rows) {
-    path_width = std::max(path_width, row.path.size());
-    value_width = std::max(value_width, row.value.size() + row.unit.size() + 1);
-    range_width = std::max(range_width, std::min<size_t>(row.range.size(), 32));
-  }
-  for (const core::ParamRow& row : config.rows) {
-    std::cout << fmt::format("{:<{}}  {:<{}}  {:<{}}  {} ({})\n", row.path, path_width,
-                             row.value + " " + row.unit, value_width, row.range, range_width, row.doc,
-                             row.origin);
-  }
-  TellOfMissingCamera(config.rows);
   return 0;
 }
 

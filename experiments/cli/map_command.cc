@@ -44,7 +44,7 @@ struct MapOutcome {
   std::string_view status() const { return broken ? "failed" : interrupted ? "interrupted" : "completed"; }
 };
 
-OfflineMapParams ParamsOf(const MapArguments& arguments) {
+OfflineMapParams ParamsOf(const MapArguments& arguments, std::vector<core::ParamRow>* rows = nullptr) {
   struct {
     OfflineMapParams mapper;
     void Visit(core::ParamVisitor& v) { v.Section("mapper", &mapper); }
@@ -56,7 +56,8 @@ OfflineMapParams ParamsOf(const MapArguments& arguments) {
   root.mapper.integrator.threads = arguments.threads;
   core::ParamSource source;
   for (const std::string& assignment : arguments.assignments) source.MergeAssignment(assignment);
-  source.Load(&root);
+  auto loaded = source.Load(&root);
+  if (rows != nullptr) *rows = std::move(loaded);
   return root.mapper;
 }
 
@@ -200,6 +201,12 @@ void WriteSummary(const fs::path& folder, const MapArguments& arguments, const O
 }
 
 }  // namespace
+
+std::vector<core::ParamRow> ExplainMap(const MapArguments& arguments) {
+  std::vector<core::ParamRow> rows;
+  ParamsOf(arguments, &rows);
+  return rows;
+}
 
 int MapCommand(const MapArguments& arguments) {
   EndAtOnceOnSignal();

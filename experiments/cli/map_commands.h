@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/params.h"
 #include "mapping/io/recorded_log.h"
 
 namespace atlas::experiments {
@@ -24,6 +25,8 @@ struct MapArguments {
   std::filesystem::path out;  ///< empty: runs/map/NAME
 };
 int MapCommand(const MapArguments& arguments);
+/// Every parameter of the mapper as `atlas map` would run it. @throws InputError for a bad assignment.
+std::vector<core::ParamRow> ExplainMap(const MapArguments& arguments);
 
 struct MeshArguments {
   std::filesystem::path map, out;

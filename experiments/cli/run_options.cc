@@ -40,12 +40,13 @@ void AddRender(CLI::App* app, Action* action) {
 }
 
 void AddExplain(CLI::App* app, Action* action) {
-  const auto a = std::make_shared<RunArguments>();
-  CLI::App* explain =
-      app->add_subcommand("explain", "Every parameter of an experiment: value, unit, range, meaning");
-  explain->add_option("experiment", a->experiment, "name or FILE.yaml")->required();
+  const auto a = std::make_shared<ExplainArguments>();
+  CLI::App* explain = app->add_subcommand(
+      "explain", "Every parameter of an experiment, or of `map`: value, unit, range, where set, meaning");
+  explain->add_option("experiment", a->what, "name, FILE.yaml, or map")->required();
+  explain->add_option("prefix", a->prefixes, "only keys that begin so: planner, planner.stop ...");
   explain->add_option("--set", a->assignments, "section.key=value, over the file")->take_all();
-  explain->callback([=] { *action = [=] { return ExplainCommand(a->experiment, a->assignments); }; });
+  explain->callback([=] { *action = [=] { return ExplainCommand(*a); }; });
 }
 
 void AddList(CLI::App* app, Action* action) {
