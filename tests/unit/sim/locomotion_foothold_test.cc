@@ -76,6 +76,20 @@ TEST(Foothold, MapIsReadWhereTheRobotBelievesToBe) {
   EXPECT_NEAR(terrain.At(2.1, 0.0).z, 0.3, 1e-12);
 }
 
+TEST(Foothold, WhereTheMapKnowsNothingThePlaneOfTheFeetServes) {
+  class Nothing : public core::TerrainView {
+    Ground At(double, double) const override { return {}; }
+  };
+  const Nothing map;
+  TerrainSampler terrain([](const Vec3&) { return std::optional<double>(7.0); });
+  terrain.SetSource(GroundSource::kPerceived, &map);
+  terrain.SetPlane({Vec3(0.0, 0.0, 1.0), Vec2(0.1, 0.0)});
+  const TerrainSampler::Sample ground = terrain.At(2.0, 3.0);
+  EXPECT_NEAR(ground.z, 1.2, 1e-12) << "not the true 7 m";
+  EXPECT_FALSE(ground.known);
+  EXPECT_FALSE(ground.steppable);
+}
+
 TEST(Swing, StartsLiftsAndLandsWhereAsked) {
   const SwingShape shape{Vec3(0.0, 0.0, 0.03), Vec3(0.2, 0.1, 0.13), 0.15};
   EXPECT_LT((SwingPoint(shape, 0.0) - shape.p_start).norm(), 1e-12);

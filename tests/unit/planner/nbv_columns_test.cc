@@ -1,0 +1,139 @@
+// What a decision keeps of each candidate, recomputed: gains by what rays end on, extra gains, costs by their
+// switches.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mapping/grid/dense_grid.h"
+#include "planner/gain/view_evaluator.h"
+#include "planner/nbv_planner.h"
+#include "tests/support/flat_ground.h"
+
+namespace atlas::planner {
+namespace {
+
+using core::Box3;
+using core::Pose;
+using core::Vec2;
+using core::Vec3;
+
+const Box3 kObjectBox{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
+const Vec2 kStart(0.0, -3.0);
+
+RobotModel Robot() {
+  RobotModel robot;
+  robot.sensor.lidar = core::FindLidarModel("vlp16");
+  robot.sensor.T_base_lidar.translation().z() = 0.25;
+  return robot;
+}
+
+/// Half of the object is occupied and half unknown; so is half of the ground that the map holds.
+mapping::DenseGrid HalfKnownMap() {
+  mapping::DenseGrid map(kObjectBox.Inflated(0.5), 0.1);
+  for (size_t i = 0; i < map.frame().count(); ++i) {
+    const Vec3 p = map.frame().CenterOf(i);
+    const bool thing = std::abs(p.x()) < 1.0 && std::abs(p.y()) < 0.5 && p.z() < 1.2;
+    if ((thing || p.z() < 0.0) && p.x() > 0.0) continue;
+    const double occupancy = thing || p.z() < 0.0 ? 0.97 : 0.12;
+    map.SetLogOdds(i, static_cast<float>(std::log(occupancy / (1.0 - occupancy))));
+  }
+  map.FinishUpdate();
+  return map;
+}
+
+NbvDecision Decide(const NbvParams& params) {
+  tests::FlatGround ground(12.0, kStart);
+  ground.AddObstacle(kObjectBox.min.head<2>(), kObjectBox.max.head<2>());
+  const auto planner = MakeNbvPlanner(params, Robot(), kObjectBox, 1, core::Rng(1));
+  const Pose T_map_base = core::PoseFromXyzYaw(Vec3(kStart.x(), kStart.y(), 0.44), 0.0);
+  planner->OnSweep(T_map_base, 500);
+  return planner->Plan(T_map_base, HalfKnownMap(), ground);
+}
+
+NbvParams SmallParams() {
+  NbvParams params = DefaultParams("greedy");
+  params.nodes = 30;
+  params.rays = 300;
+  return params;
+}
+
+/// The candidate's view evaluated by itself.
+ViewGain Evaluated(const Candidate& c, const std::vector<std::string>& gains, const NbvParams& params) {
+  const ViewEvaluator evaluator(Robot().sensor, kObjectBox, {gains, params.rays, params.max_range_m});
+  const ViewNode node{Vec3(c.p_map.x(), c.p_map.y(), c.ground_m), {c.yaw_rad}};
+  return evaluator.Evaluate(HalfKnownMap(), {node}, 1).at(0).at(0);
+}
+
+TEST(NbvColumns, GainIsSplitByWhatRaysEndOn) {
+  const NbvParams params = SmallParams();
+  const NbvDecision decision = Decide(params);
+  double in_void = 0.0, on_ground = 0.0, on_object = 0.0;
+  for (size_t i = 0; i < decision.candidates.size(); i += 17) {
+    const Candidate& c = decision.candidates[i];
+    const ViewGain view = Evaluated(c, {params.gain}, params);
+    EXPECT_NEAR(c.gain, view.gain[0], 1e-6 * (1.0 + c.gain));
+    EXPECT_NEAR(c.gain_void, view.by_end[static_cast<size_t>(EndClass::kVoid)], 1e-6 * (1.0 + c.gain));
+    EXPECT_NEAR(c.gain_ground, view.by_end[static_cast<size_t>(EndClass::kGround)], 1e-6 * (1.0 + c.gain));
+    EXPECT_NEAR(c.gain_object, view.by_end[static_cast<size_t>(EndClass::kObject)], 1e-6 * (1.0 + c.gain));
+    in_void += c.gain_void;
+    on_ground += c.gain_ground;
+    on_object += c.gain_object;
+  }
+  EXPECT_GT(in_void, 0.0);
+  EXPECT_GT(on_object, 0.0);
+  EXPECT_NE(on_ground, on_object);
+}
+
+TEST(NbvColumns, ExtraGainsAreThoseAskedForInTheirOrder) {
+  NbvParams params = SmallParams();
+  params.extra_gains = {"unknown_volume", "rear_side_voxel"};
+  for (const double gain_share : {params.gain_share, 1.0}) {
+    params.gain_share = gain_share;
+    const NbvDecision decision = Decide(params);
+    double volume = 0.0, rear = 0.0;
+    for (size_t i = 0; i < decision.candidates.size(); i += 23) {
+      const Candidate& c = decision.candidates[i];
+      ASSERT_EQ(c.extra_gains.size(), 2u);
+      const ViewGain view = Evaluated(c, params.extra_gains, params);
+      EXPECT_NEAR(c.extra_gains[0], view.gain[0], 1e-6 * (1.0 + view.gain[0]));
+      EXPECT_NEAR(c.extra_gains[1], view.gain[1], 1e-6 * (1.0 + view.gain[1]));
+      volume += c.extra_gains[0];
+      rear += c.extra_gains[1];
+    }
+    EXPECT_GT(volume, 0.0);
+    EXPECT_NE(volume, rear);
+  }
+}
+
+TEST(NbvColumns, EachCostIsChargedWhereItsSwitchIsOn) {
+  const std::vector<core::Vec3f> occupied = HalfKnownMap().OccupiedCenters();
+  NbvParams params = SmallParams();
+  params.visited_threshold_m = 3.0;
+  params.too_close_threshold_m = 1.7;
+  for (const bool visited : {true, false}) {
+    for (const bool too_close : {true, false}) {
+      params.visited_cost = visited;
+      params.too_close_cost = too_close;
+      double charged_visited = 0.0, charged_close = 0.0;
+      for (const Candidate& c : Decide(params).candidates) {
+        const double from_scan = (c.p_map - kStart).norm();
+        const double near_scan = std::max(0.0, 1.0 - from_scan / params.visited_threshold_m);
+        EXPECT_NEAR(c.visited_cost, visited ? near_scan : 0.0, 1e-9);
+        const Vec3 sensor(c.p_map.x(), c.p_map.y(), 0.44 + 0.25);
+        double from_object = 1e9;
+        for (const core::Vec3f& q : occupied) {
+          if (q.z() > 0.15f) from_object = std::min(from_object, (q.cast<double>() - sensor).norm());
+        }
+        const double near_object = std::max(0.0, 1.0 - from_object / params.too_close_threshold_m);
+        EXPECT_NEAR(c.too_close_cost, too_close ? near_object : 0.0, 1e-5);
+        charged_visited += near_scan;
+        charged_close += near_object;
+      }
+      EXPECT_GT(charged_visited, 0.0);
+      EXPECT_GT(charged_close, 0.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace atlas::planner

@@ -1,0 +1,214 @@
+// What the robot may know: every event, the path tracker and the gait go by where it believes to be and by
+// the map that it is given, never by the true pose or the true ground.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "locomotion_scenes.h"
+#include "robots/robot_spec.h"
+#include "sim/simulator.h"
+
+namespace atlas::sim {
+namespace {
+
+using core::Pose;
+using core::Vec2;
+using core::Vec3;
+
+SimParams Params(const std::string& locomotion) {
+  SimParams params;
+  params.locomotion.name = locomotion;
+  params.sensors.depth_camera = false;
+  params.sensors.walking_spin_stride = 20;
+  return params;
+}
+
+std::unique_ptr<Simulator> MakeOnFlatGround(const SimParams& params, uint64_t seed) {
+  return MakeSimulator(test::FlatScene(), robots::LoadRobot("quadruped"), params, core::Rng(seed));
+}
+
+Pose Believed(const Simulator& sim) {
+  return sim.T_map_odom() * sim.T_odom_base();
+}
+
+/// A map of level ground with strips across x that are no place for a foot.
+class StripedMap : public core::TerrainView {
+ public:
+  static constexpr double kPitchM = 0.30, kStripM = 0.12;
+  static double IntoPitch(double x) { return x - kPitchM * std::floor(x / kPitchM); }
+  Ground At(double x, double) const override { return {0.0, true, IntoPitch(x) >= kStripM}; }
+};
+
+/// Where feet came down, in the map frame as believed.
+class Landings : public core::SensorSink {
+ public:
+  void OnState(const core::StateEvent& event) override {
+    for (int i = 0; i < 4; ++i) {
+      if (event.foot_in_contact[i] && !down_[i] && event.time_s > 0.5)
+        points.push_back(event.T_map_odom * event.foot_odom[i]);
+      down_[i] = event.foot_in_contact[i];
+    }
+  }
+  int InTheMiddleOfStrips() const {
+    return static_cast<int>(std::count_if(points.begin(), points.end(), [](const Vec3& p) {
+      return std::abs(StripedMap::IntoPitch(p.x()) - 0.5 * StripedMap::kStripM) < 0.03;
+    }));
+  }
+  std::vector<Vec3> points;
+
+ private:
+  bool down_[4] = {true, true, true, true};
+};
+
+TEST(SimulatorBelief, FeetKeepOffWhatTheMapHoldsUnsteppableThoughTheGroundIsLevel) {
+  const StripedMap map;
+  const auto landings_with = [&](const std::string& terrain) {
+    SimParams params = Params("trot");
+    params.locomotion.terrain = terrain;
+    params.odometry.localisation_sigma_m = params.odometry.localisation_sigma_deg = 0.0;
+    const auto sim = MakeOnFlatGround(params, 2);
+    Landings landings;
+    sim->SetSink(&landings);
+    EXPECT_EQ(sim->Walk({{Vec2(4.0, 0.0)}, 0.0}, &map).status, MotionStatus::kReached);
+    sim->SetSink(nullptr);
+    return landings;
+  };
+  const Landings perceived = landings_with("perceived"), truth = landings_with("truth");
+  EXPECT_GT(perceived.points.size(), 40u);
+  EXPECT_GT(truth.InTheMiddleOfStrips(), 8) << "on true heights, strips mean nothing";
+  EXPECT_LT(3 * perceived.InTheMiddleOfStrips(), truth.InTheMiddleOfStrips());
+}
+
+/// Level ground; keeps how far from the robot it was asked.
+class AskedMap : public core::TerrainView {
+ public:
+  explicit AskedMap(const Simulator* sim) : sim_(sim) {}
+  Ground At(double x, double y) const override {
+    ++asked;
+    from_believed_m2 += (Vec2(x, y) - Believed(*sim_).translation().head<2>()).squaredNorm();
+    from_true_m2 += (Vec2(x, y) - sim_->TrueBasePose().translation().head<2>()).squaredNorm();
+    return {0.0, true, true};
+  }
+  mutable double asked = 0.0, from_believed_m2 = 0.0, from_true_m2 = 0.0;
+
+ private:
+  const Simulator* sim_;
+};
+
+TEST(SimulatorBelief, TheGaitReadsTheMapWhereTheRobotBelievesToBe) {
+  constexpr double kSigma = 0.15;
+  SimParams params = Params("trot");
+  params.odometry.localisation_sigma_m = kSigma;
+  const auto sim = MakeOnFlatGround(params, 3);
+  const AskedMap map(sim.get());
+  sim->Walk({{Vec2(4.0, 0.0)}, 0.0}, &map);
+  ASSERT_GT(map.asked, 1000.0);
+  // About where it believes to be, the true base lies scattered by the error on both axes, and the other way
+  // round.
+  EXPECT_LT(map.from_believed_m2 / map.asked, map.from_true_m2 / map.asked - kSigma * kSigma);
+}
+
+TEST(SimulatorBelief, PathsAreFollowedByBelievedPoses) {
+  constexpr double kSigma = 0.10;
+  constexpr int kRuns = 12;
+  double error2 = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    SimParams params = Params("kinematic");
+    params.odometry.localisation_sigma_m = kSigma;
+    const auto sim = MakeOnFlatGround(params, static_cast<uint64_t>(run));
+    sim->Walk({{Vec2(1.0, 0.0)}, 0.0}, nullptr);
+    error2 += (sim->TrueBasePose().translation().head<2>() - Vec2(1.0, 0.0)).squaredNorm();
+  }
+  // It stops where it believes to have arrived, within 5 cm: the true place is off by most of the error.
+  EXPECT_GT(std::sqrt(error2 / kRuns), 0.6 * kSigma);
+}
+
+/// Holds every event against the simulator's own estimates at that moment.
+class Comparer : public core::SensorSink {
+ public:
+  explicit Comparer(const Simulator* sim, const robots::RobotSpec& robot) : sim_(sim), robot_(robot) {}
+
+  void Remember() { T_odom_base_at_[std::lround(1e3 * sim_->time_s())] = sim_->T_odom_base(); }
+
+  void OnState(const core::StateEvent& event) override {
+    ++states;
+    EXPECT_EQ(event.T_odom_base.matrix(), sim_->T_odom_base().matrix());
+    EXPECT_EQ(event.T_map_odom.matrix(), sim_->T_map_odom().matrix());
+    const Pose T_map_base = sim_->TrueBasePose();
+    error_m2 += (Believed(*sim_).translation() - T_map_base.translation()).squaredNorm();
+    const Pose T_map_odom_true = T_map_base * event.T_odom_base.inverse();
+    for (int i = 0; i < 4; ++i) {
+      // Joints tell where the feet are about the base, exactly: soles in contact lie on the true floor.
+      if (!event.foot_in_contact[i]) continue;
+      EXPECT_NEAR((T_map_odom_true * event.foot_odom[i]).z(), 0.0, 1e-9);
+    }
+  }
+  void OnSpin(const core::SpinEvent& event) override {
+    for (const core::StampedPose& pose : event.T_odom_lidar.poses()) {
+      const auto at = T_odom_base_at_.find(std::lround(1e3 * pose.time_s));
+      if (at == T_odom_base_at_.end()) continue;
+      ++spin_poses;
+      EXPECT_LT((pose.T.matrix() - (at->second * robot_.T_base_lidar).matrix()).norm(), 1e-9);
+    }
+  }
+  void OnDepth(const core::DepthEvent& event) override {
+    ++depths;
+    const Pose expected = sim_->T_odom_base() * robot_.T_base_depth;
+    EXPECT_LT((event.T_odom_camera.matrix() - expected.matrix()).norm(), 1e-9);
+  }
+  int states = 0, spin_poses = 0, depths = 0;
+  double error_m2 = 0.0;
+
+ private:
+  const Simulator* sim_;
+  const robots::RobotSpec& robot_;
+  std::map<long, Pose> T_odom_base_at_;  ///< by milliseconds
+};
+
+TEST(SimulatorBelief, EventsCarryEstimatesAndNoTruth) {
+  SimParams params = Params("kinematic");
+  params.sensors.depth_camera = true;
+  params.sensors.walking_spin_stride = 4;
+  params.odometry.drift_xy_per_m = 0.05;
+  params.odometry.drift_yaw_deg_per_m = 2.0;
+  params.odometry.localisation_sigma_m = 0.05;
+  params.odometry.localisation_sigma_deg = 2.0;
+  const robots::RobotSpec robot = robots::LoadRobot("quadruped");
+  const auto sim = MakeOnFlatGround(params, 6);
+  Comparer comparer(sim.get(), robot);
+  sim->SetSink(&comparer);
+  sim->AddStateObserver([&](const Snapshot&) { comparer.Remember(); }, 200.0);
+  sim->Walk({{Vec2(2.0, 0.0), Vec2(2.0, 1.0)}, 0.0}, nullptr);
+  EXPECT_GT(comparer.states, 200);
+  EXPECT_GT(comparer.spin_poses, 200);
+  if (sim->render_backend() != "none") {
+    EXPECT_GT(comparer.depths, 5);
+  }
+  EXPECT_GT(std::sqrt(comparer.error_m2 / comparer.states), 0.05) << "belief and truth are apart";
+}
+
+TEST(SimulatorBelief, TheSweepRollsToItsAngleBothWaysInItsPeriod) {
+  for (const double roll_deg : {40.0, 25.0}) {
+    SimParams params = Params("kinematic");
+    params.locomotion.sweep_roll_deg = roll_deg;
+    params.locomotion.sweep_period_s = 5.0;
+    const auto sim = MakeOnFlatGround(params, 1);
+    double low = 0.0, high = 0.0;
+    sim->AddStateObserver(
+        [&](const Snapshot&) {
+          const core::Mat3 R = sim->TrueBasePose().linear();
+          const double roll = std::atan2(R(2, 1), R(2, 2));
+          low = std::min(low, roll);
+          high = std::max(high, roll);
+        },
+        100.0);
+    const double start_s = sim->time_s();
+    EXPECT_EQ(sim->RollSweep(nullptr), MotionStatus::kReached);
+    EXPECT_NEAR(core::Degrees(high), roll_deg, 0.5);
+    EXPECT_NEAR(core::Degrees(low), -roll_deg, 0.5);
+    EXPECT_NEAR(sim->time_s() - start_s, 5.0, 0.3);
+  }
+}
+
+}  // namespace
+}  // namespace atlas::sim
