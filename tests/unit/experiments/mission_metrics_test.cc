@@ -1,0 +1,200 @@
+// What a mission is judged by, fed by hand: clouds whose coverage is known, counts that must reach their
+// columns.
+#include "experiments/mission_metrics.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <numeric>
+
+#include "robots/robot_spec.h"
+#include "scenes/catalog.h"
+#include "tests/support/csv_rows.h"
+#include "tests/support/fake_simulator.h"
+
+namespace atlas::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using core::Vec3f;
+
+/// A block of a metre on flat ground, whose top no sweep sees.
+constexpr const char* kBlockScene = R"(
+spawn: {x: -3.0, y: 0.0}
+ground: {size: [8, 8]}
+object_box: {min: [-0.6, -0.6, 0.05], max: [0.6, 0.6, 1.6]}
+parts:
+  - {primitive: box, name: block, size: [1.0, 1.0, 1.4], pose: {xyz: [0, 0, 0.7]}}
+)";
+
+class SilentMapper : public mapping::Mapper {
+ public:
+  mapping::ReturnCloud Integrate(const core::Sweep&) override { return {}; }
+  const mapping::OccupancyView& view() const override { throw std::logic_error("no view here"); }
+  size_t MapBytes() const override { return 4711; }
+  std::string Save(const fs::path&) const override { return {}; }
+};
+
+class MissionMetricsTest : public testing::Test {
+ protected:
+  MissionMetricsTest() {
+    core::WriteFileAtomically(folder_ / "block.yaml", kBlockScene);
+    ::setenv("ATLAS_CACHE", (fs::temp_directory_path() / "atlas_test_cache").c_str(), 1);
+    config_.experiment = "block";
+    config_.scene.name = (folder_ / "block.yaml").string();
+    config_.mission.truth_spacing_m = 0.04;
+    scene_ = scenes::LoadScene(config_.scene.name);
+    truth_ = scenes::SampleGroundTruth(scene_, config_.mission.truth_spacing_m);
+    options_.folder = folder_ / "run";
+    metrics_.emplace(config_, options_, scene_, robot_);
+    metrics_->Attach(&simulator_);
+  }
+  ~MissionMetricsTest() override { fs::remove_all(folder_); }
+
+  /// One scan that brings returns from these truth points, each seen from before its face; its row of
+  /// steps.csv.
+  tests::CsvRow ScanOf(const std::vector<size_t>& seen) {
+    mapping::ReturnCloud cloud;
+    for (const size_t i : seen) cloud.Add(truth_.points[i], truth_.points[i] + truth_.normals[i]);
+    metrics_->BeginScan();
+    metrics_->ObserveSweep(core::Pose::Identity());
+    metrics_->TakeCloud(cloud);
+    metrics_->ScoreClouds(mapper_);
+    metrics_->AdoptScore();
+    metrics_->FinishScan(planner::NbvDecision{});
+    return tests::ReadCsv(options_.folder / "steps.csv").back();
+  }
+  RunSummary Finish(RunStatus status, StopReason reason) {
+    metrics_->Save(mapper_);
+    return metrics_->Finish(status, reason);
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("atlas_judge_" + std::to_string(::getpid()));
+  ExperimentConfig config_;
+  RunOptions options_;
+  scenes::SceneSpec scene_;
+  robots::RobotSpec robot_ = robots::LoadRobot("quadruped");
+  scenes::GroundTruth truth_;
+  tests::FakeSimulator simulator_;
+  SilentMapper mapper_;
+  std::optional<MissionMetrics> metrics_;
+};
+
+double Number(const tests::CsvRow& row, const std::string& column) {
+  return std::stod(row.at(column));
+}
+
+TEST_F(MissionMetricsTest, AllThatIsAttainableIsOneHoweverMuchElseIsCovered) {
+  std::vector<size_t> all(truth_.points.size());
+  std::iota(all.begin(), all.end(), size_t{0});
+  const tests::CsvRow row = ScanOf(all);
+  EXPECT_EQ(Number(row, "coverage"), 1.0);
+  EXPECT_EQ(Number(row, "coverage_of_attainable"), 1.0);
+  const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
+  EXPECT_LT(summary.coverage_attainable.value(), 0.95) << "the top is out of reach";
+  EXPECT_GT(summary.coverage_attainable.value(), 0.5);
+}
+
+TEST_F(MissionMetricsTest, WhatLiesOutOfReachCountsForCoverageAndNotForItsShareOfTheAttainable) {
+  std::vector<size_t> top;  // but for what returns from the sides cover
+  for (size_t i = 0; i < truth_.points.size(); ++i) {
+    const Vec3f& p = truth_.points[i];
+    if (p.z() > 1.39f && std::max(std::abs(p.x()), std::abs(p.y())) < 0.3f) top.push_back(i);
+  }
+  ASSERT_GT(top.size(), 50u);
+  const tests::CsvRow row = ScanOf(top);
+  EXPECT_GT(Number(row, "coverage"), 0.03);
+  EXPECT_EQ(Number(row, "coverage_of_attainable"), 0.0);
+}
+
+TEST_F(MissionMetricsTest, APointCoversWhatLiesWithinHalfTheDiagonalOfAFiveCentimetreVoxel) {
+  EXPECT_NEAR(MissionParams{}.coverage_radius_m, 0.5 * std::sqrt(3.0) * 0.05, 0.0005);
+  EXPECT_EQ(kObjectCoverageRadiusM, MissionParams{}.coverage_radius_m);
+  EXPECT_EQ(kAreaCoverageRadiusM, 2.0 * kObjectCoverageRadiusM);
+  const size_t chosen = truth_.points.size() / 2;
+  const Vec3f single = truth_.points[chosen];
+  const auto near = std::count_if(truth_.points.begin(), truth_.points.end(),
+                                  [&](const Vec3f& p) { return (p - single).norm() <= 0.043f; });
+  const tests::CsvRow row = ScanOf({chosen});
+  EXPECT_NEAR(Number(row, "coverage_raw"),
+              static_cast<double>(near) / static_cast<double>(truth_.points.size()), 1e-6);
+}
+
+TEST_F(MissionMetricsTest, EveryCountOfSafetyReachesItsColumnAndTheSummary) {
+  simulator_.counts = {.falls = 1,
+                       .collisions = 2,
+                       .shank_brushes = 3,
+                       .footholds = 400,
+                       .footholds_off_solid = 5,
+                       .worst_foot_drop_m = 0.0625};
+  const tests::CsvRow row = ScanOf({});
+  EXPECT_EQ(row.at("falls"), "1");
+  EXPECT_EQ(row.at("collisions"), "2");
+  EXPECT_EQ(row.at("shank_brushes"), "3");
+  EXPECT_EQ(row.at("footholds"), "400");
+  EXPECT_EQ(row.at("footholds_off_solid"), "5");
+  EXPECT_EQ(Number(row, "worst_foot_drop_m"), 0.0625);
+  simulator_.counts.falls = 2;
+  simulator_.counts.collisions = 7;  // after the last scan
+  const RunSummary summary = Finish(RunStatus::kRobotFell, StopReason::kFell);
+  EXPECT_EQ(summary.falls, 2.0);
+  EXPECT_EQ(summary.collisions, 7.0);
+}
+
+TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
+  planner::NbvDecision decision;
+  decision.outcome = planner::NbvOutcome::kView;
+  decision.candidates.resize(3);
+  decision.candidates[1].gain = 11.5;
+  decision.candidates[1].utility = 2.25;
+  decision.best = 1;
+  decision.nodes_obtained = 17;
+  decision.rays_traced = 1234;
+  decision.utility_ratio = 0.375;
+  decision.path_length_m = 4.5;
+  simulator_.time = 33.5;
+  metrics_->BeginScan();
+  metrics_->ObserveSweep(core::PoseFromXyzYaw({1.0, 2.0, 3.0}, 0.5));
+  metrics_->ObserveMap(777, 1.0, 88);
+  metrics_->ScoreClouds(mapper_);
+  metrics_->AdoptScore();
+  metrics_->FinishScan(decision);
+  metrics_->ObserveWalk({.distance_m = 6.5}, 0.0);
+  const tests::CsvRow row = tests::ReadCsv(options_.folder / "steps.csv").at(0);
+  const std::map<std::string, double> expected = {{"scan", 1},
+                                                  {"sim_time_s", 33.5},
+                                                  {"distance_m", 0},
+                                                  {"x_m", 1},
+                                                  {"y_m", 2},
+                                                  {"z_m", 3},
+                                                  {"yaw_rad", 0.5},
+                                                  {"cloud_points", 777},
+                                                  {"new_surface_voxels", 88},
+                                                  {"candidates", 3},
+                                                  {"nodes", 17},
+                                                  {"rays", 1234},
+                                                  {"gain", 11.5},
+                                                  {"utility", 2.25},
+                                                  {"utility_ratio", 0.375},
+                                                  {"path_length_m", 4.5}};
+  for (const auto& [column, value] : expected) EXPECT_EQ(Number(row, column), value) << column;
+  EXPECT_EQ(row.at("outcome"), "view");
+  EXPECT_EQ(metrics_->distance_m(), 6.5);
+  EXPECT_EQ(Number(ScanOf({}), "distance_m"), 6.5);
+}
+
+TEST_F(MissionMetricsTest, TrajectoriesKeepTruthAndOdometryApart) {
+  simulator_.T_map_base_true = core::PoseFromXyzYaw({1.0, 0.0, 0.0}, 0.0);
+  simulator_.T_odom_base_now = core::PoseFromXyzYaw({0.0, 2.0, 0.0}, 0.0);
+  simulator_.observers.at(0)(sim::Snapshot{});
+  ScanOf({});
+  EXPECT_NE(core::ReadFile(options_.folder / "trajectory_truth.tum").find(" 1.000000 0.000000"),
+            std::string::npos);
+  EXPECT_NE(core::ReadFile(options_.folder / "trajectory_odom.tum").find(" 0.000000 2.000000"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace atlas::experiments
