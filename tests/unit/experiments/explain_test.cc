@@ -36,7 +36,7 @@ TEST(Explain, OneValueChangesOneLine) {
 TEST(Explain, ALineHoldsKeyValueUnitRangeOriginAndMeaning) {
   EXPECT_EQ(Explained({"mission.max_time_s=60"}, {"mission.max_time_s"}).at(0),
             "mission.max_time_s = 60 s | [1, 1000000] | --set mission.max_time_s=60 | simulated time budget");
-  EXPECT_EQ(Explained({}, {"scene.name"}).at(0).substr(0, 29), "scene.name = car |  | car.yaml");
+  EXPECT_TRUE(Explained({}, {"scene.name"}).at(0).starts_with("scene.name = car |  | car.yaml:"));
 }
 
 TEST(Explain, PrefixesChooseSectionsAndKeys) {
