@@ -19,7 +19,7 @@ constexpr double kPoseLogRateHz = 10.0;
 
 /// What a view is worth to the planner, where the gain alone does not say it.
 std::string WorthOf(const planner::NbvParams& params) {
-  if (params.name == "thesis" || params.gain_share >= 1.0) return "";
+  if (params.name != "greedy" || params.gain_share >= 1.0) return "";
   return fmt::format("surface_frontier x {} ({:.0f} %)", params.gain, 100.0 * params.gain_share);
 }
 
@@ -33,7 +33,7 @@ RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) 
   s.odometry = "proprioceptive";
   s.mapper = config.mapper.name;
   s.planner = config.planner.name;
-  s.gain = config.planner.gain;
+  s.gain = config.planner.name == "route" ? "none" : config.planner.gain;
   s.worth = WorthOf(config.planner);
   s.deviations = fmt::format("{}", fmt::join(DeviationsFromThesis(config), "; "));
   s.version = Version();

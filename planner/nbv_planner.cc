@@ -9,6 +9,7 @@
 #include "planner/gain/view_evaluator.h"
 #include "planner/global/roadmap.h"
 #include "planner/path/view_path.h"
+#include "planner/route_planner.h"
 #include "planner/utility/costs.h"
 #include "planner/utility/termination.h"
 #include "planner/utility/view_memory.h"
@@ -320,6 +321,8 @@ const std::vector<PlannerEntry>& PlannerCatalog() {
       {"thesis",
        "as thesis 3.4, 3.5: RRT views, utility of Eq. 3.1, threshold of Eq. 3.8; on OctoMap unless told"},
       {"greedy", "lattice views worth the surface they uncover, continuous traversal cost"},
+      {"route",
+       "the views of planner.route in their order, so that runs differ in nothing but what they sense"},
   };
   return catalog;
 }
@@ -339,7 +342,7 @@ NbvParams DefaultParams(const std::string& name) {
     params.stop_utility = kThesisStopUtility;
   }
   params.terrain.window_m = params.window_m;
-  if (name == "thesis" || name == "greedy") return params;
+  if (name == "thesis" || name == "greedy" || name == "route") return params;
   std::vector<std::string> names;
   for (const PlannerEntry& entry : PlannerCatalog()) names.push_back(entry.name);
   throw core::InputError(core::UnknownName("planner", name, names));
@@ -348,6 +351,7 @@ NbvParams DefaultParams(const std::string& name) {
 std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const RobotModel& robot,
                                            const core::Box3& object_box, int threads, const core::Rng& rng) {
   DefaultParams(params.name);  // throws for an unknown name
+  if (params.name == "route") return MakeRoutePlanner(params.route);
   FindGain(params.gain);
   return std::make_unique<Planner>(params, robot, object_box, threads, rng);
 }

@@ -17,7 +17,7 @@
 namespace atlas::planner {
 
 struct NbvParams {
-  std::string name = "greedy";  ///< thesis | greedy
+  std::string name = "greedy";  ///< thesis | greedy | route
   std::string gain = "occlusion_aware_normalised";
   /// Greedy: views are worth the surface that they uncover (surface_frontier), modulated by `gain`: of two
   /// views that uncover alike, the one with the plan's best gain is worth up to this share more. 1 decides by
@@ -65,6 +65,7 @@ struct NbvParams {
       0.15;                 ///< hysteresis: a commitment stays unless another is this much better; 0: none
   int blacklist_after = 2;  ///< views that gained nothing here so often are dropped; 0: never
   int rrt_star_iterations = 800;
+  std::vector<std::string> route;  ///< route: where to go (planner/route_planner.h)
   TerrainParams terrain;
   void Visit(core::ParamVisitor& v);
 };

@@ -91,37 +91,51 @@ void VisitLattice(core::ParamVisitor& v, NbvParams* p) {
            .doc = "through doorways: steps of the lattice that happen to fit, or their middle"});
 }
 
-}  // namespace
-
-void NbvParams::Visit(core::ParamVisitor& v) {
-  v.Field("name", &name,
-          {.choices = PlannerNames(), .doc = "thesis: as thesis 3.4, 3.5; greedy: the improved one"});
-  v.Field("gain", &gain, {.choices = GainNames(), .doc = "information gain that decides"});
-  v.Field("extra_gains", &extra_gains,
+/// Of the planners that plan; `none` takes what another one has.
+void VisitPlanning(core::ParamVisitor& v, core::ParamVisitor& none, NbvParams* p) {
+  v.Field("gain", &p->gain, {.choices = GainNames(), .doc = "information gain that decides"});
+  v.Field("extra_gains", &p->extra_gains,
           {.choices = GainNames(), .doc = "also computed from the same rays and logged for every candidate"});
-  v.Field("nodes", &nodes, {.min = 1, .max = 10000, .doc = "places where views are evaluated (thesis: 150)"});
-  v.Field("window_m", &window_m,
+  v.Field("nodes", &p->nodes,
+          {.min = 1, .max = 10000, .doc = "places where views are evaluated (thesis: 150)"});
+  v.Field("window_m", &p->window_m,
           {.unit = "m",
            .min = 2.0,
            .max = 100.0,
            .doc = "side of the square about the robot that views are sought in; what the elevation map does "
                   "not hold is not"});
-  v.Field("rrt_step_m", &rrt_step_m, {.unit = "m", .min = 0.1, .max = 5.0, .doc = "longest edge of the RRT"});
-  v.Field("headings", &headings, {.min = 1, .max = 64, .doc = "headings evaluated at every place"});
-  v.Field("rays", &rays,
+  v.Field("rrt_step_m", &p->rrt_step_m,
+          {.unit = "m", .min = 0.1, .max = 5.0, .doc = "longest edge of the RRT"});
+  v.Field("headings", &p->headings, {.min = 1, .max = 64, .doc = "headings evaluated at every place"});
+  v.Field("rays", &p->rays,
           {.min = 100, .max = 1000000, .doc = "rays of every view inside the object box, at least"});
-  v.Field("max_range_m", &max_range_m,
+  v.Field("max_range_m", &p->max_range_m,
           {.unit = "m", .min = 1.0, .max = 200.0, .doc = "range to which views are predicted"});
-  VisitCosts(v, this);
-  VisitMemory(v, this);
+  VisitCosts(v, p);
+  VisitMemory(v, p);
+  const bool thesis = p->name == "thesis";
+  VisitLattice(thesis ? none : v, p);
+  VisitThreshold(thesis ? v : none, p);
+  VisitRatio(thesis ? none : v, p);
+  v.Field("rrt_star_iterations", &p->rrt_star_iterations,
+          {.min = 0, .max = 100000, .doc = "iterations of RRT* on the way to the view"});
+}
+
+}  // namespace
+
+void NbvParams::Visit(core::ParamVisitor& v) {
+  v.Field("name", &name,
+          {.choices = PlannerNames(),
+           .doc = "thesis: as thesis 3.4, 3.5; greedy: the improved one; route: given views, in order"});
   core::AbsentFields absent(&v, "planner.name = " + name);
   core::ParamVisitor& none = absent;
-  const bool thesis = name == "thesis";
-  VisitLattice(thesis ? none : v, this);
-  VisitThreshold(thesis ? v : none, this);
-  VisitRatio(thesis ? none : v, this);
-  v.Field("rrt_star_iterations", &rrt_star_iterations,
-          {.min = 0, .max = 100000, .doc = "iterations of RRT* on the way to the view"});
+  const bool is_route = name == "route";
+  (is_route ? v : none)
+      .Field(
+          "route", &route,
+          {.doc = "stops \"X Y\" (m, passed by) and \"X Y YAW\" (deg, a view); the first is where the robot "
+                  "starts"});
+  VisitPlanning(is_route ? none : v, none, this);
   v.Section("terrain", &terrain);
 }
 

@@ -4,9 +4,11 @@
 namespace atlas::sim {
 
 void LocomotionParams::Visit(core::ParamVisitor& v) {
-  v.Field("name", &name,
-          {.choices = {"trot", "kinematic"},
-           .doc = "trot walks under physics; kinematic moves the base without"});
+  v.Field(
+      "name", &name,
+      {.choices = {"trot", "kinematic", "rail"},
+       .doc = "trot walks under physics; kinematic moves the base without; rail besides keeps it on its path "
+              "by its true pose, whatever it believes"});
   v.Field("terrain", &terrain,
           {.choices = {"perceived", "truth"},
            .doc = "what footholds are chosen on: the elevation map or true heights"});
@@ -50,6 +52,11 @@ void SensorParams::Visit(core::ParamVisitor& v) {
   std::vector<std::string> lidars = {"robot"};
   for (const std::string& model : core::LidarModelNames()) lidars.push_back(model);
   v.Field("lidar", &lidar, {.choices = lidars, .doc = "LiDAR model; robot: the one the robot carries"});
+  v.Field("range_sigma_m", &range_sigma_m,
+          {.unit = "m",
+           .min = -1.0,
+           .max = 0.5,
+           .doc = "standard deviation of the LiDAR's range noise; below 0: the model's own"});
   v.Field("walking_spin_stride", &walking_spin_stride,
           {.min = 1, .max = 20, .doc = "while walking or standing every n-th revolution is cast"});
   v.Field("depth_camera", &depth_camera, {.doc = "render the front depth camera while walking"});

@@ -154,7 +154,9 @@ WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView*
   PathTracker tracker(path.waypoints_map, path.final_yaw_rad, params_.locomotion.speed_mps);
   WalkResult result;
   result.status = Run([&](double now) -> std::optional<MotionStatus> {
-    const core::Pose T_map_base = odometry_.T_map_odom() * odometry_.T_odom_base();
+    const core::Pose T_map_base = params_.locomotion.name == "rail"
+                                      ? locomotion_->T_map_base()
+                                      : odometry_.T_map_odom() * odometry_.T_odom_base();
     const PathTracker::Output out =
         tracker.Update(now, T_map_base.translation().head<2>(), core::YawOf(T_map_base.linear()));
     locomotion_->SetCommand(out.command);

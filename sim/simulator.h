@@ -18,7 +18,9 @@
 namespace atlas::sim {
 
 struct LocomotionParams {
-  std::string name = "trot";          ///< trot (physics) | kinematic (no physics, for cheap sweeps)
+  /// trot (physics) | kinematic (no physics, for cheap sweeps) | rail (kinematic, on its path by its true
+  /// pose)
+  std::string name = "trot";
   std::string terrain = "perceived";  ///< perceived | truth
   double speed_mps = 0.5;             ///< along paths
   double sweep_roll_deg = 40.0;
@@ -38,6 +40,7 @@ struct OdometryParams {
 
 struct SensorParams {
   std::string lidar = "robot";  ///< the robot's own, or a LiDAR model's name
+  double range_sigma_m = -1.0;  ///< of the range noise; below 0: the LiDAR model's own
   int walking_spin_stride = 2;  ///< while walking every n-th revolution is cast; all are while sweeping
   bool depth_camera = true;
   int depth_width = 212;

@@ -65,6 +65,13 @@ struct RecordArguments {
 };
 int RecordCommand(const RecordArguments& arguments);
 
+struct CheckArguments {
+  std::string scene;   ///< name, or path/scene.yaml
+  bool truth = false;  ///< its ground truth too
+};
+/// Returns 1 where a solid is inside out or the ground truth is faulty.
+int CheckSceneCommand(const CheckArguments& arguments);
+
 /// Prints the entries of a kind, or the kinds where it is empty.
 int ListCommand(const std::string& kind, bool verbose);
 std::vector<std::string> ListKinds();

@@ -62,6 +62,14 @@ void AddList(CLI::App* app, Action* action) {
   list->callback([=] { *action = [=] { return ListCommand(a->what, a->verbose); }; });
 }
 
+void AddCheck(CLI::App* app, Action* action) {
+  const auto a = std::make_shared<CheckArguments>();
+  CLI::App* check = app->add_subcommand("check", "Is a scene sound, and its ground truth on its meshes?");
+  check->add_option("scene", a->scene, "name (atlas list scenes) or path/scene.yaml")->required();
+  check->add_flag("--truth", a->truth, "lay its ground truth: distances to the mesh, completeness, areas");
+  check->callback([=] { *action = [=] { return CheckSceneCommand(*a); }; });
+}
+
 }  // namespace
 
 void AddRunCommands(CLI::App* app, int threads, Action* action) {
@@ -69,6 +77,7 @@ void AddRunCommands(CLI::App* app, int threads, Action* action) {
   AddRender(app, action);
   AddExplain(app, action);
   AddList(app, action);
+  AddCheck(app, action);
 }
 
 }  // namespace atlas::experiments

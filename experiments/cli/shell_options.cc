@@ -31,7 +31,7 @@ std::vector<std::string> ChoicesOf(const CLI::Option& option) {
 std::vector<std::string> SubjectsOf(const std::string& command, const CLI::App& app) {
   if (command == "run" || command == "explain") return NamesOfKind("experiments");
   if (command == "sweep") return NamesOfKind("sweeps");
-  if (command == "record" || command == "render") return NamesOfKind("scenes");
+  if (command == "record" || command == "render" || command == "check") return NamesOfKind("scenes");
   if (command == "list") return ListKinds();
   if (command == "bench") return {"lidar", "mapper", "motion"};
   if (command == "completion") return {"bash"};

@@ -9,8 +9,8 @@ std::unique_ptr<Locomotion> MakeLocomotion(const scenes::SceneSpec& scene, const
                                            const SimParams& params, const core::Rng& rng) {
   const std::string& name = params.locomotion.name;
   if (name == "trot") return MakeTrot(scene, robot, params, rng);
-  if (name == "kinematic") return MakeKinematic(scene, robot, params, rng);
-  throw core::InputError(core::UnknownName("locomotion", name, {"trot", "kinematic"}));
+  if (name == "kinematic" || name == "rail") return MakeKinematic(scene, robot, params, rng);
+  throw core::InputError(core::UnknownName("locomotion", name, {"trot", "kinematic", "rail"}));
 }
 
 Vec12 NominalPosture(const World& world, double height_m) {
