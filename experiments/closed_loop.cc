@@ -73,7 +73,9 @@ struct Mission {
                        .T_base_lidar = robot.T_base_lidar,
                        .base_height_m = robot.stance_height_m,
                        .roll = {core::Radians(motion.sweep_roll_deg), motion.sweep_period_s}},
-            .speed_mps = motion.speed_mps};
+            .speed_mps = motion.speed_mps,
+            .half_width_m = robot.half_width_m,
+            .turning_radius_m = robot.footprint_radius_m};
   }
 
   Pose T_map_base() const { return simulator->T_map_odom() * simulator->T_odom_base(); }
@@ -144,20 +146,37 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
 planner::NbvDecision PlanNextView(Mission* m) {
   const Stopwatch planning;
   planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), m->terrain);
+  m->metrics.ObserveGround(m->terrain);
   m->metrics.timing().nbv_time_s = planning.seconds();
   m->lanes.Drain(kMapLane);
   m->metrics.AdoptScore();
   return decision;
 }
 
+/// How a plan ends the mission: by what the robot knows, never by the truth.
+std::optional<Ending> EndingOf(NbvOutcome outcome, bool is_space) {
+  switch (outcome) {
+    case NbvOutcome::kView:
+      return std::nullopt;
+    case NbvOutcome::kGainExhausted:
+      return Ending{RunStatus::kCompleted, is_space ? StopReason::kExplored : StopReason::kGainExhausted};
+    case NbvOutcome::kSurfaceFlat:
+      return Ending{RunStatus::kCompleted, StopReason::kSurfaceFlat};
+    case NbvOutcome::kBlockedNarrow:
+      return Ending{RunStatus::kBudget, StopReason::kBlockedNarrow};
+    case NbvOutcome::kOutOfReach:
+      return Ending{RunStatus::kStuck, StopReason::kOutOfReach};
+    case NbvOutcome::kNoCandidates:
+    case NbvOutcome::kNoPath:
+      break;
+  }
+  return Ending{RunStatus::kStuck, StopReason::kNoCandidates};
+}
+
 /// Own criterion or a budget; nothing if the mission goes on.
 std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDecision& decision) {
   const MissionParams& mission = m.config.mission;
-  if (decision.outcome == NbvOutcome::kGainExhausted) {
-    return Ending{m.metrics.CoverageIsFlat() ? RunStatus::kCompleted : RunStatus::kBudget,
-                  m.scene.is_space ? StopReason::kExplored : StopReason::kGainExhausted};
-  }
-  if (decision.outcome != NbvOutcome::kView) return Ending{RunStatus::kStuck, StopReason::kNoCandidates};
+  if (const auto ending = EndingOf(decision.outcome, m.scene.is_space)) return ending;
   if (m.metrics.scans() >= mission.max_scans) return Ending{RunStatus::kBudget, StopReason::kScanBudget};
   if (m.simulator->time_s() >= mission.max_time_s) return Ending{RunStatus::kBudget, StopReason::kTimeBudget};
   if (m.metrics.distance_m() >= mission.max_distance_m)

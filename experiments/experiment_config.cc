@@ -11,6 +11,15 @@
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
+namespace {
+
+/// `--set odometry.localisation_sigma_m=0.03` is what localisation.sigma_m was called.
+std::string InPresentSpelling(const std::string& assignment) {
+  constexpr std::string_view kOld = "odometry.localisation_";
+  return assignment.starts_with(kOld) ? "localisation." + assignment.substr(kOld.size()) : assignment;
+}
+
+}  // namespace
 
 void NamedParams::Visit(core::ParamVisitor& v) {
   v.Field("name", &name, {.doc = doc, .is_file = true});
@@ -36,7 +45,7 @@ void MissionParams::Visit(core::ParamVisitor& v) {
   v.Field("flat_coverage", &flat_coverage,
           {.min = 0.0,
            .max = 1.0,
-           .doc = "completed only if the last flat_scans scans added less coverage each, on average"});
+           .doc = "flat_by_truth: the last flat_scans scans added less coverage each, on average"});
   v.Field("flat_scans", &flat_scans,
           {.min = 1, .max = 100, .doc = "scans that flat_coverage is judged over"});
 }
@@ -53,6 +62,7 @@ void ExperimentConfig::Visit(core::ParamVisitor& v) {
   v.Section("robot", &robot);
   v.Section("locomotion", &sim.locomotion);
   v.Section("odometry", &sim.odometry);
+  v.Section("localisation", &sim.localisation);
   v.Section("sensors", &sim.sensors);
   v.Section("mapper", &mapper);
   v.Section("planner", &planner);
@@ -108,7 +118,7 @@ ExperimentConfig LoadExperiment(const std::string& name_or_path,
   }
   core::ParamSource source;
   source.MergeFile(path, configs);
-  for (const std::string& assignment : assignments) source.MergeAssignment(assignment);
+  for (const std::string& assignment : assignments) source.MergeAssignment(InPresentSpelling(assignment));
   ExperimentConfig config;
   config.experiment = path.stem().string();
   UseDefaultsOf(source.TextAt("planner", "name").value_or(config.planner.name),

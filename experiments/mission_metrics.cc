@@ -23,6 +23,15 @@ std::string WorthOf(const planner::NbvParams& params) {
   return fmt::format("surface_frontier x {} ({:.0f} %)", params.gain, 100.0 * params.gain_share);
 }
 
+std::string OdometryText(const sim::OdometryParams& p) {
+  return fmt::format("drift {:g} % {:g} deg/m", 100.0 * p.drift_xy_per_m, p.drift_yaw_deg_per_m);
+}
+
+std::string LocalisationText(const sim::LocalisationParams& p) {
+  if (p.name != "truth") return p.name;
+  return fmt::format("truth, {:g} mm {:g} deg, {:g} s", 1e3 * p.sigma_m, p.sigma_deg, p.period_s);
+}
+
 RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) {
   const RunIdentity identity = IdentityOf(config);
   RunSummary s;
@@ -30,7 +39,9 @@ RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) 
   s.scene = std::filesystem::path(config.scene.name).stem().string();
   s.robot = std::filesystem::path(config.robot.name).stem().string();
   s.locomotion = config.sim.locomotion.name;
-  s.odometry = "proprioceptive";
+  s.terrain = config.sim.locomotion.terrain;
+  s.localisation = LocalisationText(config.sim.localisation);
+  s.odometry = OdometryText(config.sim.odometry);
   s.mapper = config.mapper.name;
   s.planner = config.planner.name;
   s.gain = config.planner.name == "route" ? "none" : config.planner.gain;
@@ -83,7 +94,8 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
       options_(options),
       scene_(scene),
       recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config, options))),
-      log_rng_(options.seed) {
+      log_rng_(options.seed),
+      ground_(robot.half_width_m, robot.footprint_radius_m) {
   core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
   options_.progress("sampling the ground truth", false);
   truth_ = scenes::SampleGroundTruth(scene, config.mission.truth_spacing_m);
@@ -164,6 +176,7 @@ void MissionMetrics::AdoptScore() {
     step_.cloud_error_m_mean = score_.error.mean_m;
     step_.cloud_error_m_p95 = score_.error.p95_m;
   }
+  step_.flat_by_truth = CoverageIsFlat();
   step_.explored_m3 = score_.explored_m3;
   timing_.map_bytes = score_.map_bytes;
   timing_.metrics_ms = 1e3 * score_.seconds;
@@ -191,6 +204,7 @@ void MissionMetrics::FinishScan(const planner::NbvDecision& decision) {
   step_.footholds_off_solid = safety.footholds_off_solid;
   step_.worst_foot_drop_m = safety.worst_foot_drop_m;
   timing_.wall_time_s = wall_.seconds();
+  blocked_ = decision.blocked;
   recorder_->AddDecision(scans_, decision, config_.planner.extra_gains);
   recorder_->AddStep(step_, timing_);
   timing_.walk_wall_s = 0.0;
@@ -213,6 +227,8 @@ void MissionMetrics::Save(const mapping::Mapper& mapper) {
   if (const sim::SafetyCounts& safety = simulator_->safety(); safety.measured) {
     summary.falls = safety.falls;
     summary.collisions = safety.collisions;
+    summary.footholds_off_solid = safety.footholds_off_solid;
+    summary.worst_foot_drop_m = safety.worst_foot_drop_m;
   }
   summary.peak_rss_bytes = PeakRssBytes();
   if (volume_ && score_.explored_m3) {
@@ -220,12 +236,25 @@ void MissionMetrics::Save(const mapping::Mapper& mapper) {
     summary.explored_volume_attainable_m3 = volume_->attainable_m3();
     summary.explored_of_attainable = *score_.explored_m3 / std::max(1e-9, volume_->attainable_m3());
   }
+  RecordBlockedWays(&summary);
+  ground_.Write(options_.folder);
   WriteScoredCloud(options_.folder / "cloud.ply", meter_->kept());
   WriteAlignment(options_.folder / "alignment.txt", meter_->T_truth_cloud_counted());
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
                             PartsCsv(truth_, attainable_, meter_->covered(), meter_->covered_outer()));
   mapper.Save(options_.folder);
   core::WriteFileAtomically(options_.folder / "log.txt", log_);
+}
+
+void MissionMetrics::RecordBlockedWays(RunSummary* summary) {
+  core::WriteFileAtomically(options_.folder / kBlockedWaysFile, BlockedWaysCsv(blocked_));
+  summary->blocked_ways = static_cast<double>(blocked_.size());
+  if (step_.outcome != NameOf(planner::NbvOutcome::kBlockedNarrow)) return;
+  for (const planner::BlockedWay& way : blocked_) {
+    if (way.worth_share < config_.planner.blocked_share) continue;
+    Note("blocked_narrow " + TextOf(way));
+    summary->blocked_at += (summary->blocked_at.empty() ? "" : "; ") + TextOf(way);
+  }
 }
 
 RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason) {

@@ -9,6 +9,7 @@
 #include "experiments/closed_loop.h"
 #include "experiments/metrics/coverage.h"
 #include "experiments/metrics/explored_volume.h"
+#include "experiments/metrics/ground_plan.h"
 #include "experiments/metrics/run_recorder.h"
 #include "experiments/stopwatch.h"
 #include "mapping/mapper.h"
@@ -40,6 +41,8 @@ class MissionMetrics {
 
   void FinishScan(const planner::NbvDecision& decision);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
+  /// Ground that planning knows by now, and why it left some of it out.
+  void ObserveGround(const planner::ElevationMap& terrain) { ground_.Learn(terrain.Export()); }
   /// Writes the cloud, the map, log.txt and what else the folder holds, with numbers as of now; the status
   /// still says `interrupted`. @throws InputError when a file cannot be written.
   void Save(const mapping::Mapper& mapper);
@@ -49,8 +52,6 @@ class MissionMetrics {
   /// A progress line: scan, simulated time, distance, coverage, what is going on.
   void Report(const std::string& stage, bool final = false);
 
-  /// Whether the last `mission.flat_scans` scans added less than `mission.flat_coverage` each, on average.
-  bool CoverageIsFlat() const;
   int scans() const { return scans_; }
   double distance_m() const { return distance_m_; }
   TimingRow& timing() { return timing_; }
@@ -58,6 +59,9 @@ class MissionMetrics {
  private:
   /// A line that stays, on the terminal and in log.txt.
   void Note(const std::string& line);
+  /// Whether the last `mission.flat_scans` scans added less than `mission.flat_coverage` each, on average.
+  bool CoverageIsFlat() const;
+  void RecordBlockedWays(RunSummary* summary);
 
   const ExperimentConfig& config_;
   const RunOptions& options_;
@@ -81,6 +85,8 @@ class MissionMetrics {
   core::Rng log_rng_;
   std::string log_;           ///< lines that stay
   double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
+  GroundPlan ground_;
+  std::vector<planner::BlockedWay> blocked_;  ///< as of the latest plan
   int scans_ = 0;
   double distance_m_ = 0.0;
   std::vector<double> coverage_;  ///< a scan each

@@ -8,10 +8,12 @@
 #include "planner/gain/gain.h"
 #include "planner/gain/view_evaluator.h"
 #include "planner/global/roadmap.h"
+#include "planner/path/recovery.h"
 #include "planner/path/view_path.h"
 #include "planner/route_planner.h"
 #include "planner/utility/costs.h"
 #include "planner/utility/termination.h"
+#include "planner/utility/unpromising_views.h"
 #include "planner/utility/view_memory.h"
 
 namespace atlas::planner {
@@ -23,8 +25,6 @@ using core::Vec3;
 
 /// Longest passage in which the robot cannot turn.
 constexpr double kPassage_m = 1.6;
-/// From the end of the way here, the robot retreats along it.
-constexpr double kOffTheWay_m = 0.5;
 /// u_thres where rear side entropy decides; chosen from missions of seeds 1 to 3: see docs/thesis_rows.md.
 constexpr double kThesisStopUtility = 50.0;
 /// A view counts as the committed one within this distance and turn.
@@ -66,6 +66,7 @@ class Planner final : public NbvPlanner {
   Planner(const NbvParams& params, const RobotModel& robot, const core::Box3& object_box, int threads,
           const core::Rng& rng)
       : params_(params),
+        footprint_{robot.half_width_m, robot.turning_radius_m, params.terrain.edge_clearance_m},
         object_box_(object_box),
         evaluator_(robot.sensor, object_box, {GainsAsked(params), params.rays, params.max_range_m}),
         threads_(threads),
@@ -87,18 +88,19 @@ class Planner final : public NbvPlanner {
   CandidateTree PickPlaces(const Walkable& walkable, const core::Rng& rng);
   void EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable, const CandidateTree& tree,
                      NbvDecision* decision) const;
-  void ValueViews(NbvDecision* decision) const;
+  void ValueViews(NbvDecision* decision);
   void ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
                    const CandidateTree& tree, NbvDecision* decision) const;
   std::vector<int> RankViews(NbvDecision* decision) const;
-  int FarthestFromScans(const NbvDecision& decision) const;
-  /// Whether the best utility of this plan ends the mission, or no view promises anything.
-  bool IsDone(double best_utility) const;
-  void Retreat(const Pose& T_map_base, NbvDecision* decision);
+  int NearerToObject(double best_utility, const NbvDecision& decision) const;
+  NbvOutcome EndOf(double best_utility) const;
+  bool JudgeBlockedWays(const mapping::OccupancyView& map, NbvDecision* decision);
+  void Recover(const Pose& T_map_base, const TraversableGround& ground, NbvDecision* decision);
   void FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
                NbvDecision* decision) const;
 
   NbvParams params_;
+  Footprint footprint_;
   core::Box3 object_box_;
   ViewEvaluator evaluator_;
   TraversalModel traversal_;
@@ -107,7 +109,9 @@ class Planner final : public NbvPlanner {
   ViewMemory memory_;
   Roadmap roadmap_;
   Termination termination_;
-  std::vector<Vec2> way_here_;  ///< the path of the latest view
+  BlockedWays blocked_ways_;
+  Recovery recovery_;
+  double greatest_worth_ = 0.0;  ///< of a view, before trust and costs; over all plans
   int plans_ = 0;
 };
 
@@ -120,8 +124,13 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
   const CandidateTree tree = PickPlaces(walkable, rng);
   decision.nodes_obtained = static_cast<int>(tree.nodes.size());
   decision.attempts = tree.attempts;
+  blocked_ways_.Learn(walkable, tree, FindBlockedWays(walkable, tree, footprint_));
+  decision.blocked = blocked_ways_.ways();
   if (tree.nodes.empty()) {
-    Retreat(T_map_base, &decision);
+    Recover(T_map_base, terrain, &decision);
+    if (decision.outcome != NbvOutcome::kView && JudgeBlockedWays(map, &decision)) {
+      decision.outcome = NbvOutcome::kBlockedNarrow;
+    }
     return decision;
   }
 
@@ -134,23 +143,62 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
       ranked.empty() ? 0.0 : decision.candidates[static_cast<size_t>(ranked[0])].utility;
   termination_.Observe(best_utility, memory_.latest_surface_share());
   decision.utility_ratio = termination_.ratio();
-  const bool promises = best_utility > 0.0;
-  if (IsDone(best_utility)) {
-    decision.outcome = NbvOutcome::kGainExhausted;
+  const int nearer = NearerToObject(best_utility, decision);
+  decision.outcome = nearer < 0 ? EndOf(best_utility) : NbvOutcome::kView;
+  if (decision.outcome != NbvOutcome::kView) {
+    if (JudgeBlockedWays(map, &decision)) decision.outcome = NbvOutcome::kBlockedNarrow;
     return decision;
   }
 
-  FindWay(walkable, tree, promises ? ranked[0] : FarthestFromScans(decision), rng, &decision);
+  const bool promises = best_utility > 0.0;
+  const int unseen = nearer < 0 ? FarthestFromScans(decision.candidates, memory_.visited()) : nearer;
+  FindWay(walkable, tree, promises ? ranked[0] : unseen, rng, &decision);
   const Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
   memory_.Commit({view.p_map, view.yaw_rad});
-  way_here_ = decision.path_map;
+  recovery_.SetOut(decision.path_map);
   return decision;
 }
 
-bool Planner::IsDone(double best_utility) const {
-  if (IsThesis(params_)) return BelowThreshold(best_utility, params_.stop_utility);
-  if (termination_.Exhausted()) return true;
-  return best_utility <= 0.0 && (!DecidesBySurface(params_) || termination_.NothingLeft());
+/// Of an object that is too far away for any plan so far to predict views of it, a view nearer to it; else
+/// -1.
+int Planner::NearerToObject(double best_utility, const NbvDecision& decision) const {
+  if (best_utility > 0.0 || !termination_.NothingWasPromised()) return -1;
+  return NearestToObject(decision.candidates, memory_.visited(), object_box_, params_.max_range_m);
+}
+
+/// How the mission ends with this plan; kView where it goes on.
+NbvOutcome Planner::EndOf(double best_utility) const {
+  const bool nothing_left = best_utility <= 0.0 && (!DecidesBySurface(params_) || termination_.NothingLeft());
+  const bool exhausted = IsThesis(params_) ? BelowThreshold(best_utility, params_.stop_utility)
+                                           : termination_.GainExhausted() || nothing_left;
+  const bool flat = !IsThesis(params_) && termination_.SurfaceFlat();
+  if (!exhausted && !flat) return NbvOutcome::kView;
+  const bool seen =
+      memory_.surface_seen() > 0.0 && DistanceToObject(memory_.visited(), object_box_) <= params_.max_range_m;
+  if (!seen) return NbvOutcome::kOutOfReach;
+  return exhausted ? NbvOutcome::kGainExhausted : NbvOutcome::kSurfaceFlat;
+}
+
+/// Predicts the views beyond ways that are too narrow, as if the robot stood there.
+/// @return whether one promises what would be worth going for.
+bool Planner::JudgeBlockedWays(const mapping::OccupancyView& map, NbvDecision* decision) {
+  std::vector<ViewNode> nodes;
+  for (const Vec3& p : blocked_ways_.PlacesBeyond()) {
+    nodes.push_back({p, HeadingsAt(p.head<2>(), object_box_, params_.headings)});
+  }
+  size_t rays = 0;
+  std::vector<double> shares;
+  for (const std::vector<ViewGain>& views : evaluator_.Evaluate(map, nodes, threads_, &rays)) {
+    double best = 0.0;
+    for (const ViewGain& view : views) best = std::max(best, view.gain[DecidesBySurface(params_) ? 1 : 0]);
+    // Where no plan ever saw anything worth while, whatever is beyond is.
+    shares.push_back(greatest_worth_ > 0.0 ? best / greatest_worth_ : (best > 0.0 ? 1.0 : 0.0));
+  }
+  decision->rays_traced += rays;
+  blocked_ways_.SetWorth(shares);
+  decision->blocked = blocked_ways_.ways();
+  return std::any_of(shares.begin(), shares.end(),
+                     [this](double share) { return share >= params_.blocked_share; });
 }
 
 CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng) {
@@ -201,9 +249,12 @@ void Planner::EvaluateGains(const mapping::OccupancyView& map, const Walkable& w
 }
 
 /// What Eq. 3.1 takes for g_x.
-void Planner::ValueViews(NbvDecision* decision) const {
+void Planner::ValueViews(NbvDecision* decision) {
   double most = 0.0;
-  for (const Candidate& c : decision->candidates) most = std::max(most, c.gain);
+  for (const Candidate& c : decision->candidates) {
+    most = std::max(most, c.gain);
+    greatest_worth_ = std::max(greatest_worth_, DecidesBySurface(params_) ? c.surface_m2 : c.gain);
+  }
   for (Candidate& c : decision->candidates) {
     const double relative = most > 0.0 ? c.gain / most : 0.0;
     c.worth =
@@ -272,33 +323,19 @@ std::vector<int> Planner::RankViews(NbvDecision* decision) const {
   return ranked;
 }
 
-/// Nothing is promised anywhere: the place that differs most from those of all scans.
-int Planner::FarthestFromScans(const NbvDecision& decision) const {
-  const auto distance = [&](const Candidate& c) { return DistanceToVisited(c.p_map, memory_.visited()); };
-  const auto farthest =
-      std::max_element(decision.candidates.begin(), decision.candidates.end(),
-                       [&](const Candidate& a, const Candidate& b) { return distance(a) < distance(b); });
-  return static_cast<int>(farthest - decision.candidates.begin());
-}
-
-/// Where the robot stands, nothing about it looks walkable any more (it learnt of an overhang, say): the way
-/// it came is known to be, and leads back to the view before. Once: a second time there are no candidates.
-void Planner::Retreat(const Pose& T_map_base, NbvDecision* decision) {
-  const Vec2 here = T_map_base.translation().head<2>();
-  if (way_here_.size() < 2 || (way_here_.back() - here).norm() > kOffTheWay_m) return;
-  std::reverse(way_here_.begin(), way_here_.end());
-  way_here_.front() = here;
-  decision->path_map = std::move(way_here_);
-  way_here_.clear();
-  decision->path_length_m = PathLength(decision->path_map);
-  Candidate back;
-  back.p_map = decision->path_map.back();
-  back.ground_m = T_map_base.translation().z() - evaluator_.view().sensor_height_m();
-  const Vec2 last = back.p_map - decision->path_map[decision->path_map.size() - 2];
-  back.yaw_rad = std::atan2(last.y(), last.x());
-  back.path_length_m = decision->path_length_m;
-  back.reason = LossReason::kChosen;
-  decision->candidates = {back};
+/// Nowhere to go from here, it seems.
+void Planner::Recover(const Pose& T_map_base, const TraversableGround& ground, NbvDecision* decision) {
+  const auto move = recovery_.Next(T_map_base, ground);
+  if (!move) return;
+  decision->path_map = move->path_map;
+  decision->path_length_m = PathLength(move->path_map);
+  Candidate there;
+  there.p_map = move->path_map.back();
+  there.ground_m = T_map_base.translation().z() - evaluator_.view().sensor_height_m();
+  there.yaw_rad = move->yaw_rad;
+  there.path_length_m = decision->path_length_m;
+  there.reason = LossReason::kChosen;
+  decision->candidates = {there};
   decision->best = 0;
   decision->outcome = NbvOutcome::kView;
 }

@@ -11,6 +11,7 @@
 #include "core/rng.h"
 #include "mapping/occupancy_view.h"
 #include "planner/gain/sweep_view.h"
+#include "planner/global/blocked_ways.h"
 #include "planner/terrain/elevation_map.h"
 #include "planner/traversable_ground.h"
 
@@ -64,6 +65,9 @@ struct NbvParams {
   double commit_margin =
       0.15;                 ///< hysteresis: a commitment stays unless another is this much better; 0: none
   int blacklist_after = 2;  ///< views that gained nothing here so often are dropped; 0: never
+  /// At the end: views beyond a way too narrow for the robot promise more if worth this share of the best of
+  /// all plans.
+  double blocked_share = 0.2;
   int rrt_star_iterations = 800;
   std::vector<std::string> route;  ///< route: where to go (planner/route_planner.h)
   TerrainParams terrain;
@@ -91,7 +95,16 @@ struct Candidate {
   LossReason reason = LossReason::kLowerUtility;
 };
 
-enum class NbvOutcome { kView, kGainExhausted, kNoCandidates, kNoPath };
+/// How a plan ends: with a view to go to, or with the mission.
+enum class NbvOutcome {
+  kView,
+  kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
+  kSurfaceFlat,    ///< sweeps in a row brought next to no surface, whatever views promise
+  kBlockedNarrow,  ///< as one of the above, but views that promise more lie beyond ways too narrow
+  kOutOfReach,     ///< nothing of the object was seen from within range, and no way brings the robot nearer
+  kNoCandidates,   ///< no place to go to
+  kNoPath
+};
 
 struct NbvDecision {
   NbvOutcome outcome = NbvOutcome::kNoCandidates;
@@ -103,6 +116,8 @@ struct NbvDecision {
   double utility_ratio = 0.0;        ///< best over the greatest so far
   std::vector<core::Vec2> path_map;  ///< from the robot to the view (RRT*)
   double path_length_m = 0.0;
+  /// Ways thought too narrow, all that are known; judged (worth_share) by the plan that ends the mission.
+  std::vector<BlockedWay> blocked;
 };
 
 class NbvPlanner {
@@ -129,7 +144,8 @@ NbvParams DefaultParams(const std::string& name);
 /// What the planner expects of the robot.
 struct RobotModel {
   SweepSensorModel sensor;
-  double speed_mps = 0.5;  ///< on flat smooth ground
+  double speed_mps = 0.5;                               ///< on flat smooth ground
+  double half_width_m = 0.33, turning_radius_m = 0.55;  ///< of the footprint
 };
 
 /// @throws InputError for an unknown planner or gain.

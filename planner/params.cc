@@ -46,6 +46,12 @@ void VisitMemory(core::ParamVisitor& v, NbvParams* p) {
           {.min = 0,
            .max = 100,
            .doc = "views here that brought nothing, before the place is dropped; 0: never"});
+  v.Field(
+      "blocked_share", &p->blocked_share,
+      {.min = 0.0,
+       .max = 1.0,
+       .doc = "views beyond a way too narrow keep the mission from being completed if worth this share of "
+              "the best of all plans"});
 }
 
 /// Eq. 3.8.

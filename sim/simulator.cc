@@ -21,7 +21,8 @@ class WalkingSimulator : public Simulator {
                    const core::Rng& rng)
       : params_(params),
         locomotion_(MakeLocomotion(scene, robot, params, rng.Split("locomotion"))),
-        odometry_(params.odometry, scene.T_map_spawn, locomotion_->T_map_base(), rng.Split("odometry")),
+        odometry_(params.odometry, params.localisation, scene.T_map_spawn, locomotion_->T_map_base(),
+                  rng.Split("odometry")),
         sensors_(scene, robot, params.sensors, locomotion_->world(), rng.Split("sensors")) {}
 
   void SetSink(core::SensorSink* sink) override { sink_ = sink; }

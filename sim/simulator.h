@@ -33,8 +33,17 @@ struct OdometryParams {
   double drift_yaw_deg_per_m = 0.02;
   double velocity_sigma_mps = 0.02;  ///< noise on the base velocity that the gait balances on
   double attitude_sigma_deg = 0.2;
-  double localisation_sigma_m = 0.005;  ///< of T_map_base (thesis 3.3: little drift at this scale)
-  double localisation_sigma_deg = 0.05;
+  void Visit(core::ParamVisitor& v);
+};
+
+/// Where the robot holds itself to be in the map: T_map_odom.
+struct LocalisationParams {
+  /// truth: the true pose but for white noise, each period_s. none: T_map_odom stays what it was at the
+  /// start, so that drift reaches the map, the planner and the score.
+  std::string name = "truth";
+  double sigma_m = 0.005;  ///< of T_map_base (thesis 3.3: little drift at this scale)
+  double sigma_deg = 0.05;
+  double period_s = 1.0;  ///< 0: at every step
   void Visit(core::ParamVisitor& v);
 };
 
@@ -54,6 +63,7 @@ struct SensorParams {
 struct SimParams {
   LocomotionParams locomotion;
   OdometryParams odometry;
+  LocalisationParams localisation;
   SensorParams sensors;
 };
 

@@ -54,6 +54,7 @@ int RunCommand(const RunArguments& arguments) {
   std::cout << CoverageTable(GroupRuns({LoadReportedRun(options.folder)}));
   std::cout << fmt::format("\n{} ({}); run folder: {}\n", NameOf(summary.status), NameOf(summary.stop_reason),
                            options.folder.string());
+  if (!summary.blocked_at.empty()) std::cout << "blocked_narrow " << summary.blocked_at << "\n";
   return ExitCodeOf(summary.status);
 }
 

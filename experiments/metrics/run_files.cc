@@ -16,7 +16,7 @@ using core::InputError;
 
 constexpr std::string_view kStepsHeader =
     "scan,sim_time_s,distance_m,x_m,y_m,z_m,yaw_rad,coverage_raw,coverage,coverage_outer,coverage_of_"
-    "attainable,cloud_error_m_mean,cloud_error_m_p95,cloud_points,"
+    "attainable,flat_by_truth,cloud_error_m_mean,cloud_error_m_p95,cloud_points,"
     "new_surface_voxels,outcome,candidates,nodes,rays,gain,utility,utility_ratio,path_length_m,falls,"
     "collisions,"
     "shank_brushes,footholds,footholds_off_solid,worst_foot_drop_m,explored_m3\n";
@@ -59,6 +59,12 @@ std::string_view NameOf(planner::NbvOutcome outcome) {
       return "view";
     case planner::NbvOutcome::kGainExhausted:
       return "gain_exhausted";
+    case planner::NbvOutcome::kSurfaceFlat:
+      return "surface_flat";
+    case planner::NbvOutcome::kBlockedNarrow:
+      return "blocked_narrow";
+    case planner::NbvOutcome::kOutOfReach:
+      return "out_of_reach";
     case planner::NbvOutcome::kNoCandidates:
       return "no_candidates";
     case planner::NbvOutcome::kNoPath:
@@ -90,10 +96,11 @@ std::string StepsCsv(const std::vector<StepRow>& steps) {
   std::string csv(kStepsHeader);
   for (const StepRow& s : steps) {
     const core::Vec3& p = s.T_map_base.translation();
-    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{:.6f},{},{},{},", s.scan,
-                       s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(), core::YawOf(s.T_map_base.linear()),
-                       s.coverage_raw, s.coverage, s.coverage_outer, cell(s.coverage_of_attainable, 6),
-                       cell(s.cloud_error_m_mean, 6), cell(s.cloud_error_m_p95, 6));
+    csv +=
+        fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{:.6f},{},{},{},{},", s.scan,
+                    s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(), core::YawOf(s.T_map_base.linear()),
+                    s.coverage_raw, s.coverage, s.coverage_outer, cell(s.coverage_of_attainable, 6),
+                    s.flat_by_truth ? 1 : 0, cell(s.cloud_error_m_mean, 6), cell(s.cloud_error_m_p95, 6));
     csv += fmt::format("{},{},{},{},{},{},", s.cloud_points, s.new_surface_voxels, s.outcome, s.candidates,
                        s.nodes, s.rays);
     csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{:.4f},{}\n", s.gain, s.utility,

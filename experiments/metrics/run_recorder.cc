@@ -136,6 +136,7 @@ void RunRecorder::Summarise() {
   if (last.collisions) {
     summary_.collisions = std::max<double>(summary_.collisions.value_or(0.0), *last.collisions);
   }
+  summary_.flat_by_truth = last.flat_by_truth;
   summary_.t50_s = TimeToReach(steps_, 0.50);
   summary_.t90_s = TimeToReach(steps_, 0.90);
   summary_.t95_s = TimeToReach(steps_, 0.95);

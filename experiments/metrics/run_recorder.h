@@ -28,10 +28,11 @@ struct StepRow {
   double coverage = 0.0;        ///< aligned, thesis Eq. 3.9
   double coverage_outer = 0.0;  ///< aligned, by returns from the outer side
   std::optional<double> coverage_of_attainable;
+  bool flat_by_truth = false;  ///< the truth's coverage has stopped growing; decides nothing
   std::optional<double> cloud_error_m_mean, cloud_error_m_p95;  ///< of the cloud so far, aligned
   size_t cloud_points = 0;                                      ///< of this sweep's filtered cloud
   size_t new_surface_voxels = 0;                                ///< newly occupied
-  std::string outcome;  ///< view | gain_exhausted | no_candidates | no_path | budget | ...
+  std::string outcome;  ///< view | gain_exhausted | surface_flat | no_candidates | ...
   int candidates = 0;
   int nodes = 0;
   size_t rays = 0;

@@ -18,9 +18,10 @@ using core::InputError;
 
 constexpr std::array<std::string_view, 6> kStatusNames = {"completed", "budget",      "robot_fell",
                                                           "stuck",     "interrupted", "failed"};
-constexpr std::array<std::string_view, 10> kReasonNames = {
-    "gain_exhausted", "explored", "scan_budget", "time_budget", "distance_budget",
-    "no_candidates",  "fell",     "stuck",       "signal",      "error"};
+constexpr std::array<std::string_view, 13> kReasonNames = {
+    "gain_exhausted", "surface_flat",    "explored",     "blocked_narrow", "scan_budget",
+    "time_budget",    "distance_budget", "out_of_reach", "no_candidates",  "fell",
+    "stuck",          "signal",          "error"};
 
 template <typename Enum, size_t N>
 std::optional<Enum> FromName(const std::array<std::string_view, N>& names, std::string_view name) {
@@ -34,7 +35,7 @@ void Put(Json* json, const char* key, const std::optional<double>& value) {
   if (!value || !std::isfinite(*value)) return;
   const std::string_view name = key;
   const bool counts = name == "scans" || name == "submaps" || name == "falls" || name == "collisions" ||
-                      name.ends_with("_bytes");
+                      name == "footholds_off_solid" || name == "blocked_ways" || name.ends_with("_bytes");
   if (counts) {
     (*json)[key] = std::llround(*value);
   } else {
@@ -114,6 +115,8 @@ std::string ToJson(const RunSummary& summary) {
 #undef X
   json["status"] = NameOf(summary.status);
   json["stop_reason"] = NameOf(summary.stop_reason);
+  if (summary.flat_by_truth) json["flat_by_truth"] = *summary.flat_by_truth;
+  if (!summary.blocked_at.empty()) json["blocked_at"] = summary.blocked_at;
 #define X(key) Put(&json, #key, summary.key);
   ATLAS_SUMMARY_NUMBERS(X)
   if (summary.returned_home) json["returned_home"] = *summary.returned_home;
@@ -135,6 +138,8 @@ RunSummary SummaryFromJson(const std::string& text, const std::string& origin) {
 #undef X
   reader.Seed(&summary.seed);
   reader.Flag("returned_home", &summary.returned_home);
+  reader.Flag("flat_by_truth", &summary.flat_by_truth);
+  reader.Text("blocked_at", &summary.blocked_at);
   if (summary.experiment.empty()) reader.Fail("experiment: missing");
   std::string status, reason;
   reader.Text("status", &status);

@@ -10,12 +10,16 @@
 namespace atlas::experiments {
 
 enum class RunStatus { kCompleted, kBudget, kRobotFell, kStuck, kInterrupted, kFailed };
+/// `completed` goes with the first three only: what ends a mission by its own criterion.
 enum class StopReason {
-  kGainExhausted,
-  kExplored,
+  kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
+  kSurfaceFlat,    ///< sweeps in a row brought next to no surface, whatever views promise
+  kExplored,       ///< of scenes to explore: nothing reachable promises more
+  kBlockedNarrow,  ///< what promises more lies beyond ways too narrow for the robot
   kScanBudget,
   kTimeBudget,
   kDistanceBudget,
+  kOutOfReach,  ///< nothing of the object was seen, and no way leads nearer to it
   kNoCandidates,
   kFell,
   kStuck,
@@ -36,13 +40,13 @@ int ExitCodeOf(RunStatus status);
 
 // Keys of summary.json in order: text, then numbers. A key without a value is left out.
 // clang-format off
-#define ATLAS_SUMMARY_TEXT(X) X(experiment) X(scene) X(robot) X(locomotion) X(odometry) X(mapper) X(planner) X(gain)
+#define ATLAS_SUMMARY_TEXT(X) X(experiment) X(scene) X(robot) X(locomotion) X(terrain) X(localisation) X(odometry) X(mapper) X(planner) X(gain)
 #define ATLAS_SUMMARY_TEXT_MORE(X) X(worth) X(deviations) X(version) X(commit) X(config_hash) X(scene_hash) X(robot_hash) X(render_backend) X(render_problem)
 #define ATLAS_SUMMARY_NUMBERS(X)                                                                           \
   X(coverage) X(coverage_raw) X(coverage_outer) X(coverage_attainable) X(coverage_of_attainable)           \
   X(travel_distance_m) X(scans) X(sim_time_s) X(wall_time_s) X(real_time_factor)                           \
   X(nbv_time_s_mean) X(nbv_time_s_p95) X(integration_ms_mean) X(integration_ms_p95)                        \
-  X(map_bytes) X(peak_rss_bytes) X(submaps) X(falls) X(collisions)                                         \
+  X(map_bytes) X(peak_rss_bytes) X(submaps) X(falls) X(collisions) X(footholds_off_solid) X(worst_foot_drop_m) X(blocked_ways)                                        \
   X(cloud_error_m_mean) X(cloud_error_m_p95) X(map_error_m_mean) X(map_completeness)                       \
   X(ate_m) X(ate_odometry_m) X(t50_s) X(t90_s) X(t95_s)                                                    \
   X(explored_volume_m3) X(explored_volume_attainable_m3) X(explored_of_attainable)
@@ -68,6 +72,12 @@ struct RunSummary {
   X(miou)
 #undef X
   std::optional<bool> returned_home;
+  /// The last mission.flat_scans scans added less than mission.flat_coverage each: what the truth says of an
+  /// ending that was decided without it.
+  std::optional<bool> flat_by_truth;
+  /// Ways too narrow that kept the mission from being completed, each "at (3.2, 1.0): 0.55 m wide, 0.62 m
+  /// needed", by "; ".
+  std::string blocked_at;
 };
 
 /// summary.json as text, keys in DESIGN.md's order.

@@ -22,7 +22,8 @@ bool MeanBelow(const std::deque<double>& latest, int count, double limit) {
 void Termination::Observe(double best_utility, double latest_surface_share) {
   greatest_utility_ = std::max(greatest_utility_, best_utility);
   ratio_ = greatest_utility_ > 0.0 ? best_utility / greatest_utility_ : 0.0;
-  flat_rounds_ = latest_surface_share < params_.flat_share ? flat_rounds_ + 1 : 0;
+  const bool flat = !NothingWasPromised() && latest_surface_share < params_.flat_share;
+  flat_rounds_ = flat ? flat_rounds_ + 1 : 0;
   Keep(ratio_, params_.stop_rounds, &ratios_);
   Keep(latest_surface_share, params_.stop_rounds, &shares_);
 }

@@ -23,17 +23,19 @@ struct TerminationParams {
 /// utility so far (the first view may see little), must be undercut over several rounds on average, and the
 /// surface must have stopped growing over them too, by the measure that a flat coverage curve is judged by.
 /// A gain that never falls (occlusion aware under clamped log-odds is worth more over free space than over
-/// unknown) is overruled by a longer run of sweeps that brought nothing.
+/// unknown) is overruled by a longer run of sweeps that brought nothing: another ending, by another name.
 class Termination {
  public:
   explicit Termination(const TerminationParams& params) : params_(params) {}
 
   /// One plan: its best utility and the share of surface that the latest sweep added.
   void Observe(double best_utility, double latest_surface_share);
-  bool Exhausted() const { return (Low() && Flat()) || flat_rounds_ >= params_.flat_rounds; }
+  bool GainExhausted() const { return Low() && Flat(); }
+  bool SurfaceFlat() const { return flat_rounds_ >= params_.flat_rounds; }
+  bool NothingWasPromised() const { return greatest_utility_ <= 0.0; }
   /// Whether a plan that promises nothing ends the mission: the first one does, and one that low rounds led
   /// up to. Another may come too early: what earlier sweeps promised has only just been seen.
-  bool NothingLeft() const { return greatest_utility_ <= 0.0 || Low(); }
+  bool NothingLeft() const { return NothingWasPromised() || Low(); }
   /// Latest best utility over the greatest so far.
   double ratio() const { return ratio_; }
 

@@ -31,6 +31,7 @@ class ViewMemory {
   double TrustAt(const core::Vec2& p_map, double radius_m) const;
   const std::vector<core::Vec2>& visited() const { return visited_; }
   const std::optional<Promise>& commitment() const { return commitment_; }
+  double surface_seen() const { return surface_; }  ///< voxels, over all sweeps
   /// Newly seen share of all surface seen so far, by the latest sweep; 1 before any.
   double latest_surface_share() const { return latest_share_; }
 

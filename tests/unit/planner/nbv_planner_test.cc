@@ -118,13 +118,18 @@ TEST_P(EachPlanner, SameSeedGivesTheSameDecisionWithAnyNumberOfThreads) {
   }
 }
 
-TEST_P(EachPlanner, NoGroundToStandOnIsNoCandidatesAndNeverComplete) {
+TEST_P(EachPlanner, NoGroundToStandOnIsATurnThenNoCandidatesAndNeverComplete) {
   tests::FlatGround ground(12.0, Vec2(0.0, -3.0));
   ground.AddObstacle(Vec2(-20.0, -20.0), Vec2(20.0, 20.0));
   const auto map = NearSideMapped();
   const auto planner = Make(SmallParams(GetParam()));
+  planner->OnSweep(kRobot, 500);
+  const NbvDecision turn = planner->Plan(kRobot, map, ground);
+  ASSERT_EQ(turn.outcome, NbvOutcome::kView);
+  EXPECT_EQ(turn.path_map, std::vector<Vec2>{Vec2(0.0, -3.0)});
+  EXPECT_NEAR(turn.candidates[0].yaw_rad, 0.5 * core::kPi, 1e-12);
   for (int i = 0; i < 8; ++i) {
-    planner->OnSweep(kRobot, i == 0 ? 500 : 0);
+    planner->OnSweep(kRobot, 0);
     EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kNoCandidates);
   }
 }
@@ -144,7 +149,36 @@ TEST(NbvPlanner, SweepsThatBringNothingEndAGreedyMission) {
     planner->OnSweep(kRobot, 0);
     outcome = planner->Plan(kRobot, map, ground).outcome;
   }
-  EXPECT_EQ(outcome, NbvOutcome::kGainExhausted);
+  EXPECT_EQ(outcome, NbvOutcome::kSurfaceFlat) << "views still promise";
+}
+
+TEST_P(EachPlanner, AnObjectBeyondPredictionIsWalkedTowardsAndNeverCompleteUnseen) {
+  NbvParams params = SmallParams(GetParam());
+  params.max_range_m = 4.0;
+  const auto planner = Make(params);
+  const mapping::DenseGrid unknown(kObjectBox.Inflated(0.5), 0.1);
+  Vec2 robot(0.0, -15.0);
+  for (int step = 0; step < 2; ++step) {
+    const Pose T = core::PoseFromXyzYaw(Vec3(robot.x(), robot.y(), 0.44), 0.0);
+    planner->OnSweep(T, 0);
+    const NbvDecision decision = planner->Plan(T, unknown, tests::FlatGround(12.0, robot));
+    ASSERT_EQ(decision.outcome, NbvOutcome::kView);
+    const Vec2 view = decision.candidates[static_cast<size_t>(decision.best)].p_map;
+    EXPECT_GT(view.y(), robot.y() + 2.0);
+    robot = view;
+  }
+  // A trench across the way, farther away than views are predicted.
+  const auto other = Make(params);
+  tests::FlatGround trench(12.0, Vec2(0.0, -15.0));
+  trench.AddObstacle(Vec2(-20.0, -15.5), Vec2(20.0, -14.5));
+  trench.AddObstacle(Vec2(-20.0, -14.5), Vec2(20.0, -9.0));
+  const Pose T = core::PoseFromXyzYaw(Vec3(0.0, -16.2, 0.44), 0.0);
+  NbvOutcome outcome = NbvOutcome::kView;
+  for (int plan = 0; plan < 4 && outcome == NbvOutcome::kView; ++plan) {
+    other->OnSweep(T, 0);
+    outcome = other->Plan(T, unknown, trench).outcome;
+  }
+  EXPECT_EQ(outcome, NbvOutcome::kOutOfReach);
 }
 
 /// Eq. 3.8 and nothing else: the same view again and again while its utility reaches u_thres.
@@ -298,6 +332,9 @@ TEST(NbvPlanner, ARobotThatFindsNothingWalkableGoesBackTheWayItCameOnce) {
   EXPECT_NEAR(back.candidates.front().yaw_rad, std::atan2(last.y(), last.x()), 1e-12);
 
   planner->OnSweep(kRobot, 0);
+  const NbvDecision turn = planner->Plan(kRobot, map, nothing);
+  EXPECT_EQ(turn.path_map, std::vector<Vec2>{Vec2(0.0, -3.0)}) << "not back again";
+  planner->OnSweep(kRobot, 0);
   EXPECT_EQ(planner->Plan(kRobot, map, nothing).outcome, NbvOutcome::kNoCandidates);
 }
 
@@ -337,6 +374,7 @@ TEST(NbvPlanner, ARobotOffItsWayHasNoWayBack) {
   tests::FlatGround nothing(12.0, aside);
   nothing.AddObstacle(Vec2(-20.0, -20.0), Vec2(20.0, 20.0));
   const Pose stopped = core::PoseFromXyzYaw(Vec3(aside.x(), aside.y(), 0.44), 0.0);
+  EXPECT_EQ(planner->Plan(stopped, map, nothing).path_map, std::vector<Vec2>{aside}) << "a turn";
   EXPECT_EQ(planner->Plan(stopped, map, nothing).outcome, NbvOutcome::kNoCandidates);
 }
 

@@ -84,8 +84,8 @@ TEST(Simulator, EventsComeInOrderAtTheirRates) {
 
 TEST(Simulator, BelievedScanMatchesTheScene) {
   SimParams params = FastParams();
-  params.odometry.localisation_sigma_m = 0.0;
-  params.odometry.localisation_sigma_deg = 0.0;
+  params.localisation.sigma_m = 0.0;
+  params.localisation.sigma_deg = 0.0;
   const auto sim = Make(params);
   Recorder recorder;
   core::Sweep sweep;
@@ -157,6 +157,44 @@ TEST(Simulator, OdometryDriftsByItsRandomWalkAndLocalisationCorrectsIt) {
   // Two axes of standard deviation 0.05 sqrt(9); 80 squared normals lie within 0.55 and 1.6 of their mean.
   EXPECT_GT(squared / kRuns, 0.55 * 2.0 * 0.0025 * 9.0);
   EXPECT_LT(squared / kRuns, 1.6 * 2.0 * 0.0025 * 9.0);
+}
+
+/// Position error of the belief after 9 m under a drift of `drift` a metre.
+double BeliefErrorAfterWalk(const LocalisationParams& localisation, double drift, uint64_t seed) {
+  SimParams params = FastParams();
+  params.locomotion.name = "kinematic";
+  params.locomotion.speed_mps = 1.0;
+  params.odometry.drift_xy_per_m = drift;
+  params.localisation = localisation;
+  const auto sim = MakeSimulator(test::FlatScene(), robots::LoadRobot("quadruped"), params, core::Rng(seed));
+  const core::Pose T_map_odom = sim->T_map_odom();
+  EXPECT_LT(((T_map_odom * sim->T_odom_base()).translation() - sim->TrueBasePose().translation()).norm(),
+            0.05);
+  sim->Walk({{Vec2(9.0, 0.0)}, 0.0}, nullptr);
+  if (localisation.name == "none") {
+    EXPECT_EQ(sim->T_map_odom().matrix(), T_map_odom.matrix());
+  }
+  return ((sim->T_map_odom() * sim->T_odom_base()).translation() - sim->TrueBasePose().translation()).norm();
+}
+
+TEST(Simulator, WithoutLocalisationTheDriftIsTheBeliefsError) {
+  double squared = 0.0;
+  constexpr int kRuns = 20;
+  for (int run = 0; run < kRuns; ++run) {
+    const double error = BeliefErrorAfterWalk({.name = "none"}, 0.05, static_cast<uint64_t>(run));
+    squared += error * error;
+  }
+  // Two axes of standard deviation 0.05 sqrt(9); 40 squared normals lie within 0.5 and 1.8 of their mean.
+  EXPECT_GT(squared / kRuns, 0.5 * 2.0 * 0.0025 * 9.0);
+  EXPECT_LT(squared / kRuns, 1.8 * 2.0 * 0.0025 * 9.0);
+}
+
+TEST(Simulator, LocalisedByTruthWithoutNoiseTheBeliefIsTheTruth) {
+  const LocalisationParams exact{.name = "truth", .sigma_m = 0.0, .sigma_deg = 0.0, .period_s = 0.0};
+  EXPECT_LT(BeliefErrorAfterWalk(exact, 0.05, 1), 1e-9);
+  LocalisationParams noisy = exact;
+  noisy.sigma_m = 0.05;
+  EXPECT_GT(BeliefErrorAfterWalk(noisy, 0.0, 1), 1e-3);
 }
 
 TEST(Simulator, StopsWithinFiftyMillisecondsOfBeingAsked) {

@@ -1,0 +1,51 @@
+// Ways that are too narrow for the robot, and the ground beyond them: what planning leaves out, by name.
+#pragma once
+
+#include <vector>
+
+#include "planner/candidates/candidates.h"
+#include "planner/candidates/walkable.h"
+
+namespace atlas::planner {
+
+/// Ground that a thinner robot would reach, and the narrowest place on the widest way to it.
+struct BlockedWay {
+  core::Vec2 p_map = core::Vec2::Zero();  ///< middle of the narrowest place
+  double width_m = 0.0;                   ///< free width there
+  /// What the robot needs: the width of its footprint, or, where that fits, of its turning circle.
+  double needed_m = 0.0;
+  std::vector<core::Vec3> beyond_map;  ///< ground points beyond it, spread out
+  double worth_share = 0.0;  ///< of the best view from there over the best of all plans; once judged
+};
+
+/// What the robot needs.
+struct Footprint {
+  double half_width_m = 0.33;
+  double turning_radius_m = 0.55;
+  double edge_clearance_m = 0.10;  ///< kept from drops besides
+};
+
+/// All such ways of the terrain's window. The widest way (greatest least clearance) from the ground that
+/// `tree` covers leads to each place beyond; ways through one narrow place are one. Left out are ways that
+/// end at ground not seen yet on either side of the narrow place: a look may widen them.
+std::vector<BlockedWay> FindBlockedWays(const Walkable& walkable, const CandidateTree& tree,
+                                        const Footprint& footprint);
+
+/// Blocked ways over all plans, beyond the window of the terrain map too.
+class BlockedWays {
+ public:
+  /// Takes what a plan found in place of what was known in its window, and forgets ways whose far side `tree`
+  /// reaches.
+  void Learn(const Walkable& walkable, const CandidateTree& tree, std::vector<BlockedWay> found);
+  const std::vector<BlockedWay>& ways() const { return ways_; }
+
+  /// The ground points beyond all ways.
+  std::vector<core::Vec3> PlacesBeyond() const;
+  /// What views from there are worth, in the same order; a way is worth the best of its own.
+  void SetWorth(const std::vector<double>& shares);
+
+ private:
+  std::vector<BlockedWay> ways_;
+};
+
+}  // namespace atlas::planner
