@@ -28,6 +28,7 @@ struct RenderArguments {
   std::filesystem::path out;
   double speed = 8.0;  ///< times real time
   std::string size = "960x540";
+  bool plan = false;  ///< the ground from above instead
   bool still = false;
   std::optional<double> still_time_s;  ///< simulated; the run's end without one
   std::vector<double> eye, target;     ///< map frame; empty: the camera finds its own place

@@ -7,6 +7,7 @@
 #include "core/temporary_file.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/progress_line.h"
+#include "experiments/video/plan_picture.h"
 #include "experiments/video/run_video.h"
 #include "experiments/video/video_writer.h"
 #include "robots/robot_spec.h"
@@ -54,7 +55,7 @@ std::optional<sim::RenderCamera> CameraOf(const RenderArguments& arguments) {
 
 fs::path OutputOf(const RenderArguments& arguments, const fs::path& otherwise) {
   const fs::path out = arguments.out.empty() ? otherwise : arguments.out;
-  const std::string wanted = arguments.still ? ".png" : ".mp4";
+  const std::string wanted = arguments.still || arguments.plan ? ".png" : ".mp4";
   if (out.extension() != wanted) {
     throw core::InputError(fmt::format("render: --out {}: expected a name ending {}", out.string(), wanted));
   }
@@ -96,7 +97,11 @@ int RenderCommand(const RenderArguments& arguments) {
   params.camera = CameraOf(arguments);
   const fs::path run = arguments.what, file = run / kRecordingFile;
   fs::path out;
-  if (fs::exists(run) && run.extension() != ".yaml") {
+  if (arguments.plan) {
+    if (!fs::is_directory(run)) throw core::InputError("render: " + run.string() + ": no such run folder");
+    out = OutputOf(arguments, run / "plan.png");
+    WritePng(out, PlanPicture(run));
+  } else if (fs::exists(run) && run.extension() != ".yaml") {
     const RunRecording recording = LoadRecording(file);
     out = OutputOf(arguments, run / (arguments.still ? "still.png" : "video.mp4"));
     if (arguments.still) {

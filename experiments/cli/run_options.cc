@@ -30,6 +30,8 @@ void AddRender(CLI::App* app, Action* action) {
   CLI::Option* still =
       render->add_option("--still", a->still_time_s, "a picture at this simulated time (s), or at the end")
           ->expected(0, 1);
+  render->add_flag("--plan", a->plan,
+                   "the ground from above: free or why not, way, scans, ways too narrow (FILE.png)");
   render->add_option("--eye", a->eye, "X Y Z (m) of a camera that stays there (default: it finds its place)")
       ->expected(3);
   render->add_option("--target", a->target, "X Y Z (m) that it looks at")->expected(3);

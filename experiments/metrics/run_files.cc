@@ -175,4 +175,20 @@ CoverageCurve LoadCoverageCurve(const std::filesystem::path& run_folder) {
   return curve;
 }
 
+std::vector<core::Vec2> LoadScanPlaces(const std::filesystem::path& run_folder) {
+  const std::string origin = (run_folder / "steps.csv").string();
+  std::stringstream text(core::ReadFile(origin));
+  std::string line;
+  std::getline(text, line);
+  const std::vector<std::string> header = SplitLine(line);
+  const size_t x = ColumnOf(header, "x_m", origin), y = ColumnOf(header, "y_m", origin);
+  std::vector<core::Vec2> places;
+  for (int number = 2; std::getline(text, line); ++number) {
+    if (line.empty()) continue;
+    const std::vector<std::string> cells = SplitLine(line);
+    places.emplace_back(NumberIn(cells, x, origin, number), NumberIn(cells, y, origin, number));
+  }
+  return places;
+}
+
 }  // namespace atlas::experiments

@@ -122,5 +122,7 @@ struct CoverageCurve {
 };
 /// @throws InputError for a missing file, a missing column or a cell that is not a number.
 CoverageCurve LoadCoverageCurve(const std::filesystem::path& run_folder);
+/// Where the scans of steps.csv were taken, as the robot believed; errors as above.
+std::vector<core::Vec2> LoadScanPlaces(const std::filesystem::path& run_folder);
 
 }  // namespace atlas::experiments
