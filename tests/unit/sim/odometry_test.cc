@@ -14,20 +14,19 @@ using core::Vec3;
 OdometryParams Perfect() {
   OdometryParams params;
   params.drift_xy_per_m = params.drift_yaw_deg_per_m = 0.0;
-  params.localisation_sigma_m = params.localisation_sigma_deg = 0.0;
   return params;
 }
+
+const LocalisationParams kExact{.name = "truth", .sigma_m = 0.0, .sigma_deg = 0.0, .period_s = 1.0};
 
 Pose Believed(const Odometry& odometry) {
   return odometry.T_map_odom() * odometry.T_odom_base();
 }
 
 TEST(Odometry, LocalisationErrsByItsSigmasOnEveryAxis) {
-  OdometryParams params = Perfect();
-  params.localisation_sigma_m = 0.03;
-  params.localisation_sigma_deg = 0.5;
+  const LocalisationParams noisy{.name = "truth", .sigma_m = 0.03, .sigma_deg = 0.5, .period_s = 1.0};
   const Pose T = core::MakePose(core::RotationFromYawPitchRoll(0.7, 0.1, -0.2), Vec3(3.0, -2.0, 0.5));
-  Odometry odometry(params, core::PoseFromXyzYaw({1.0, 1.0, 0.0}, 0.3), T, core::Rng(3));
+  Odometry odometry(Perfect(), noisy, core::PoseFromXyzYaw({1.0, 1.0, 0.0}, 0.3), T, core::Rng(3));
   Vec3 shift2 = Vec3::Zero(), turn2 = Vec3::Zero();
   constexpr int kDraws = 4000;
   for (int second = 1; second <= kDraws; ++second) {
@@ -56,7 +55,8 @@ void Walk(Odometry* odometry, double from, double seconds, const Each& each) {
 TEST(Odometry, IsLocalisedOnceASecondAndDriftsInBetween) {
   OdometryParams params = Perfect();
   params.drift_xy_per_m = 0.1;
-  Odometry odometry(params, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0), core::Rng(5));
+  Odometry odometry(params, kExact, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0),
+                    core::Rng(5));
   double before2 = 0.0, worst_after = 0.0;
   constexpr int kSeconds = 300;
   Walk(&odometry, 0.0, kSeconds, [&](int step, const Pose& T) {
@@ -75,7 +75,7 @@ TEST(Odometry, HeadingDriftsByItsRandomWalkInDegrees) {
   double squared = 0.0;
   constexpr int kRuns = 200;
   for (int run = 0; run < kRuns; ++run) {
-    Odometry odometry(params, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0),
+    Odometry odometry(params, kExact, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0),
                       core::Rng(static_cast<uint64_t>(run)));
     Walk(&odometry, 0.0, 4.0, [](int, const Pose&) {});
     const double yaw_deg = core::Degrees(core::YawOf(odometry.T_odom_base().linear()));
@@ -87,7 +87,8 @@ TEST(Odometry, HeadingDriftsByItsRandomWalkInDegrees) {
 TEST(Odometry, HeadingErrorsHappenWhereTheRobotIs) {
   OdometryParams params = Perfect();
   params.drift_yaw_deg_per_m = 5.0;
-  Odometry odometry(params, Pose::Identity(), core::PoseFromXyzYaw({100.0, 0.0, 0.4}, 0.0), core::Rng(9));
+  Odometry odometry(params, kExact, Pose::Identity(), core::PoseFromXyzYaw({100.0, 0.0, 0.4}, 0.0),
+                    core::Rng(9));
   double turned = 0.0, moved = 0.0;
   Walk(&odometry, 100.0, 1.0, [&](int, const Pose& T) {
     turned = std::max(turned, std::abs(core::YawOf(odometry.T_odom_base().linear())));
@@ -99,10 +100,26 @@ TEST(Odometry, HeadingErrorsHappenWhereTheRobotIs) {
 
 TEST(Odometry, StartsAtTheSpawnPose) {
   const Pose T_map_spawn = core::PoseFromXyzYaw({2.0, -1.0, 0.0}, 0.8);
-  const Odometry odometry(Perfect(), T_map_spawn, T_map_spawn * core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0),
-                          core::Rng(1));
+  const Odometry odometry(Perfect(), kExact, T_map_spawn,
+                          T_map_spawn * core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0), core::Rng(1));
   EXPECT_LT((odometry.T_odom_base().translation() - Vec3(0.0, 0.0, 0.44)).norm(), 1e-9);
   EXPECT_LT((odometry.T_map_odom().matrix() - T_map_spawn.matrix()).norm(), 1e-9);
+}
+
+TEST(Odometry, WithoutLocalisationTheCorrectionStaysWhatItWasAtTheStart) {
+  OdometryParams params = Perfect();
+  params.drift_xy_per_m = 0.1;
+  const Pose T_map_spawn = core::PoseFromXyzYaw({2.0, -1.0, 0.0}, 0.8);
+  const Pose start = core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0);
+  Odometry odometry(params, {.name = "none", .sigma_m = 0.1, .sigma_deg = 1.0, .period_s = 0.0}, T_map_spawn,
+                    start, core::Rng(5));
+  EXPECT_LT((Believed(odometry).matrix() - start.matrix()).norm(), 1e-9) << "the start is known";
+  double error = 0.0;
+  Walk(&odometry, 0.0, 100.0, [&](int, const Pose& T) {
+    EXPECT_EQ(odometry.T_map_odom().matrix(), T_map_spawn.matrix());
+    error = (Believed(odometry).translation() - T.translation()).norm();
+  });
+  EXPECT_GT(error, 0.1) << "100 m of a random walk of 0.1 a metre";
 }
 
 }  // namespace

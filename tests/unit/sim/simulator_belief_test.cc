@@ -65,7 +65,7 @@ TEST(SimulatorBelief, FeetKeepOffWhatTheMapHoldsUnsteppableThoughTheGroundIsLeve
   const auto landings_with = [&](const std::string& terrain) {
     SimParams params = Params("trot");
     params.locomotion.terrain = terrain;
-    params.odometry.localisation_sigma_m = params.odometry.localisation_sigma_deg = 0.0;
+    params.localisation.sigma_m = params.localisation.sigma_deg = 0.0;
     const auto sim = MakeOnFlatGround(params, 2);
     Landings landings;
     sim->SetSink(&landings);
@@ -98,7 +98,7 @@ class AskedMap : public core::TerrainView {
 TEST(SimulatorBelief, TheGaitReadsTheMapWhereTheRobotBelievesToBe) {
   constexpr double kSigma = 0.15;
   SimParams params = Params("trot");
-  params.odometry.localisation_sigma_m = kSigma;
+  params.localisation.sigma_m = kSigma;
   const auto sim = MakeOnFlatGround(params, 3);
   const AskedMap map(sim.get());
   sim->Walk({{Vec2(4.0, 0.0)}, 0.0}, &map);
@@ -114,7 +114,7 @@ TEST(SimulatorBelief, PathsAreFollowedByBelievedPoses) {
   double error2 = 0.0;
   for (int run = 0; run < kRuns; ++run) {
     SimParams params = Params("kinematic");
-    params.odometry.localisation_sigma_m = kSigma;
+    params.localisation.sigma_m = kSigma;
     const auto sim = MakeOnFlatGround(params, static_cast<uint64_t>(run));
     sim->Walk({{Vec2(1.0, 0.0)}, 0.0}, nullptr);
     error2 += (sim->TrueBasePose().translation().head<2>() - Vec2(1.0, 0.0)).squaredNorm();
@@ -171,8 +171,8 @@ TEST(SimulatorBelief, EventsCarryEstimatesAndNoTruth) {
   params.sensors.walking_spin_stride = 4;
   params.odometry.drift_xy_per_m = 0.05;
   params.odometry.drift_yaw_deg_per_m = 2.0;
-  params.odometry.localisation_sigma_m = 0.05;
-  params.odometry.localisation_sigma_deg = 2.0;
+  params.localisation.sigma_m = 0.05;
+  params.localisation.sigma_deg = 2.0;
   const robots::RobotSpec robot = robots::LoadRobot("quadruped");
   const auto sim = MakeOnFlatGround(params, 6);
   Comparer comparer(sim.get(), robot);
