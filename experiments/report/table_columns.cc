@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "experiments/report/tables.h"
 
@@ -44,16 +45,21 @@ std::string Total(const RunGroup& group, SummaryNumber number) {
   return measured ? fmt::format("{:.0f}", sum) : kNotMeasured;
 }
 
+/// Greatest over seeds: the worst is what matters.
+std::string Worst(const RunGroup& group, std::string_view name, double scale, int decimals) {
+  const SampleStatistics s = Over(group, name);
+  return s.count == 0 ? kNotMeasured : fmt::format("{:.{}f}", scale * s.max, decimals);
+}
+
+/// "completed (gain_exhausted)" of one run, "4 completed (gain_exhausted), 1 stuck (no_candidates)" of more.
 std::string StatusOf(const RunGroup& group) {
-  if (group.runs.size() == 1) {
-    const RunSummary& run = group.runs[0].summary;
-    return fmt::format("{} ({})", NameOf(run.status), NameOf(run.stop_reason));
-  }
+  std::map<std::pair<RunStatus, StopReason>, int> counts;
+  for (const ReportedRun& run : group.runs) ++counts[{run.summary.status, run.summary.stop_reason}];
   std::string text;
-  for (int i = 0; i <= static_cast<int>(RunStatus::kFailed); ++i) {
-    const auto status = static_cast<RunStatus>(i);
-    const int count = group.CountOf(status);
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, NameOf(status));
+  for (const auto& [ending, count] : counts) {
+    if (!text.empty()) text += ", ";
+    if (group.runs.size() > 1) text += fmt::format("{} ", count);
+    text += fmt::format("{} ({})", NameOf(ending.first), NameOf(ending.second));
   }
   return text;
 }
@@ -112,6 +118,8 @@ std::vector<Column> Endings() {
       {"falls", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, &RunSummary::falls); }},
       {"collisions", "", false, Use::kAlways,
        [](const RunGroup& g) { return Total(g, &RunSummary::collisions); }},
+      {"drop cm", "greatest depth of a touch-down below its planned foothold", false, Use::kWhereMeasured,
+       [](const RunGroup& g) { return Worst(g, "worst_foot_drop_m", 100.0, 1); }},
       {"runs", "", false, Use::kGroups, [](const RunGroup& g) { return fmt::format("{}", g.runs.size()); }},
       {"seed", "", false, Use::kRuns,
        [](const RunGroup& g) { return fmt::format("{}", g.runs.front().summary.seed); }},

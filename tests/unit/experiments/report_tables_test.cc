@@ -65,7 +65,7 @@ TEST(Tables, ThreeSeedsShowTheConfidenceIntervalOfTheirMean) {
       Grouped({RunOf("car", 1, 0.70), RunOf("car", 2, 0.71), RunOf("car", 3, 0.72), RunOf("house", 1, 0.6)}));
   EXPECT_EQ(Cell(table, 0, "c_p %"), "71.00 ± 2.48");
   EXPECT_EQ(Cell(table, 0, "runs"), "3");
-  EXPECT_EQ(Cell(table, 0, "status"), "3 completed");
+  EXPECT_EQ(Cell(table, 0, "status"), "3 completed (gain_exhausted)");
   EXPECT_TRUE(HasNote(table, "95 % confidence interval (t distribution)"));
 }
 
@@ -80,10 +80,11 @@ TEST(Tables, TwoSeedsShowBothAndOneShowsNoInterval) {
 TEST(Tables, ASingleFallAmongSeedsShows) {
   std::vector<RunSummary> runs = {RunOf("car", 1, 0.7), RunOf("car", 2, 0.3)};
   runs[1].status = RunStatus::kRobotFell;
+  runs[1].stop_reason = StopReason::kFell;
   runs[1].falls = 1;
   const TextTable table = GroupTable(Grouped(runs));
   EXPECT_EQ(Cell(table, 0, "falls"), "1");
-  EXPECT_EQ(Cell(table, 0, "status"), "1 completed, 1 robot_fell");
+  EXPECT_EQ(Cell(table, 0, "status"), "1 completed (gain_exhausted), 1 robot_fell (fell)");
 }
 
 TEST(Tables, FallsThatNothingMeasuredAreNotZero) {
