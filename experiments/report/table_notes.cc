@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <map>
 #include <set>
 
@@ -82,25 +81,6 @@ std::string ByRow(std::string_view word, const std::vector<RunGroup>& groups,
   return line;
 }
 
-/// Where the surface that a view uncovers decides and the gain only modulates it (planner.gain_share < 1).
-std::string ModulationNote(const std::vector<RunGroup>& groups) {
-  std::set<std::string> told;
-  for (const RunGroup& group : groups) {
-    const auto found = group.settings.find("planner.gain_share");
-    if (found == group.settings.end()) continue;
-    double share = 1.0;
-    std::from_chars(found->second.data(), found->second.data() + found->second.size(), share);
-    if (share >= 1.0) continue;
-    told.insert(fmt::format(
-        "gain of planner {}: lowers by at most {:.0f} % the worth of a view, which is the surface that "
-        "it uncovers (surface_frontier)",
-        group.planner, 100.0 * share));
-  }
-  std::string note;
-  for (const std::string& line : told) note += (note.empty() ? "" : "; ") + line;
-  return note;
-}
-
 }  // namespace
 
 std::vector<std::string> WordNotes(const std::vector<RunGroup>& groups) {
@@ -128,7 +108,6 @@ std::vector<std::string> WordNotes(const std::vector<RunGroup>& groups) {
     if (any) tell(word, values);
   }
   if (!common.empty()) notes.insert(notes.begin(), (groups.size() > 1 ? "all rows: " : "") + common);
-  if (std::string note = ModulationNote(groups); !note.empty()) notes.push_back(std::move(note));
   return notes;
 }
 
