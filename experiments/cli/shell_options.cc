@@ -29,7 +29,12 @@ std::vector<std::string> ChoicesOf(const CLI::Option& option) {
 
 /// What may stand for a command's first argument, besides a file.
 std::vector<std::string> SubjectsOf(const std::string& command, const CLI::App& app) {
-  if (command == "run" || command == "explain") return NamesOfKind("experiments");
+  if (command == "run") return NamesOfKind("experiments");
+  if (command == "explain") {
+    std::vector<std::string> names = NamesOfKind("experiments");
+    names.emplace_back("map");
+    return names;
+  }
   if (command == "sweep") return NamesOfKind("sweeps");
   if (command == "record" || command == "render" || command == "check") return NamesOfKind("scenes");
   if (command == "list") return ListKinds();

@@ -185,6 +185,19 @@ TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   EXPECT_EQ(Number(ScanOf({}), "distance_m"), 6.5);
 }
 
+TEST_F(MissionMetricsTest, CoverageIsFlatOnlyOnceScansAddLittle) {
+  const size_t fifth = truth_.points.size() / 5;
+  std::vector<size_t> seen(fifth);
+  for (size_t scan = 0; scan < 5; ++scan) {
+    std::iota(seen.begin(), seen.end(), scan * fifth);
+    EXPECT_EQ(ScanOf(seen).at("flat_by_truth"), "0") << scan;
+  }
+  for (int scan = 1; scan < config_.mission.flat_scans; ++scan) {
+    EXPECT_EQ(ScanOf({}).at("flat_by_truth"), "0") << "scans before this one added much";
+  }
+  EXPECT_EQ(ScanOf({}).at("flat_by_truth"), "1");
+}
+
 TEST_F(MissionMetricsTest, TrajectoriesKeepTruthAndOdometryApart) {
   simulator_.T_map_base_true = core::PoseFromXyzYaw({1.0, 0.0, 0.0}, 0.0);
   simulator_.T_odom_base_now = core::PoseFromXyzYaw({0.0, 2.0, 0.0}, 0.0);

@@ -69,6 +69,23 @@ TEST(Odometry, IsLocalisedOnceASecondAndDriftsInBetween) {
   EXPECT_NEAR(before2 / kSeconds, 2.0 * 0.01 * 0.99, 0.2 * 0.02);
 }
 
+TEST(Odometry, WithoutLocalisationDriftIsNeverTakenBack) {
+  OdometryParams params = Perfect();
+  params.drift_xy_per_m = 0.1;
+  LocalisationParams none;
+  none.name = "none";
+  double squared = 0.0;
+  constexpr int kRuns = 200;
+  for (int run = 0; run < kRuns; ++run) {
+    Odometry odometry(params, none, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0),
+                      core::Rng(static_cast<uint64_t>(run)));
+    Walk(&odometry, 0.0, 4.0, [](int, const Pose&) {});
+    squared += (Believed(odometry).translation() - Vec3(4.0, 0.0, 0.4)).squaredNorm();
+    EXPECT_EQ(odometry.T_map_odom().matrix(), Pose::Identity().matrix());
+  }
+  EXPECT_NEAR(squared / kRuns, 2.0 * 0.01 * 4.0, 0.25 * 0.08);
+}
+
 TEST(Odometry, HeadingDriftsByItsRandomWalkInDegrees) {
   OdometryParams params = Perfect();
   params.drift_yaw_deg_per_m = 1.5;
