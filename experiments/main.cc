@@ -24,9 +24,6 @@ int Main(int argc, char** argv) {
   CLI::App app("SE-Atlas testbed: active mapping with a walking robot in simulation", "atlas");
   app.option_defaults()->always_capture_default();
   app.set_version_flag("--version", VersionText());
-  app.footer(
-      "./atlas test [--sanitize|--tsan] builds and runs the test suite; ./atlas packages prints what is "
-      "needed.");
   app.require_subcommand(1);
   Action action;
   const int threads = std::min(atlas::core::AvailableCpus(), 64);
@@ -34,6 +31,9 @@ int Main(int argc, char** argv) {
   AddSweepCommands(&app, threads, &action);
   AddMapCommands(&app, threads, &action);
   AddShellCommands(&app, &action);
+  app.footer(
+      "./atlas test [--sanitize|--tsan] builds and runs the test suite; ./atlas packages prints what is "
+      "needed.");
   HideEmptyDefaults(&app);
   if (argc == 1) {
     std::cout << app.help();
