@@ -101,11 +101,11 @@ TEST(HouseRules, LibrariesNeverPrint) {
   }
 }
 
-TEST(HouseRules, EquationIndexOfTheReadmeIsTrue) {
-  const std::string readme = Read(kRoot / "README.md");
+TEST(HouseRules, EquationIndexIsTrue) {
+  const std::string index = Read(kRoot / "docs/equations.md");
   const std::regex row("\\| Eq\\. ([0-9.]+)[^|]*\\|[^|]*\\| `([^`]+)` \\|");
   size_t rows = 0;
-  for (std::sregex_iterator it(readme.begin(), readme.end(), row), end; it != end; ++it) {
+  for (std::sregex_iterator it(index.begin(), index.end(), row), end; it != end; ++it) {
     const fs::path file = kRoot / (*it)[2].str();
     ++rows;
     ASSERT_TRUE(fs::exists(file)) << file;
