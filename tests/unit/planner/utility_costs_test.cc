@@ -94,23 +94,23 @@ TEST(Termination, StopsOnlyWhereRoundsAreLowOnAverageOnAFlatCurve) {
   Termination low({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
   for (const double utility : {100.0, 3.0, 20.0, 3.0}) {
     low.Observe(utility, 0.0);
-    EXPECT_FALSE(low.Exhausted());
+    EXPECT_FALSE(low.GainExhausted());
   }
   EXPECT_NEAR(low.ratio(), 0.03, 1e-12);
   low.Observe(3.0, 0.2);
-  EXPECT_FALSE(low.Exhausted()) << "the surface still grows";
+  EXPECT_FALSE(low.GainExhausted()) << "the surface still grows";
   low.Observe(3.0, 0.0);
   low.Observe(6.0, 0.0);
-  EXPECT_TRUE(low.Exhausted()) << "4.5 % on average";
+  EXPECT_TRUE(low.GainExhausted()) << "4.5 % on average";
 }
 
 TEST(Termination, DoesNotDependOnTheGainsScale) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
     for (const double u : {50.0, 30.0, 2.0}) t.Observe(scale * u, 0.002);
-    EXPECT_FALSE(t.Exhausted());
+    EXPECT_FALSE(t.GainExhausted());
     t.Observe(scale * 1.0, 0.002);
-    EXPECT_TRUE(t.Exhausted());
+    EXPECT_TRUE(t.GainExhausted());
   }
 }
 
@@ -118,9 +118,9 @@ TEST(Termination, MeasuresByTheGreatestUtilityNotByAPoorFirstView) {
   Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
   for (const double u : {5.0, 100.0, 3.0}) t.Observe(u, 0.0);
   EXPECT_NEAR(t.ratio(), 0.03, 1e-12);
-  EXPECT_FALSE(t.Exhausted());
+  EXPECT_FALSE(t.GainExhausted());
   t.Observe(3.0, 0.0);
-  EXPECT_TRUE(t.Exhausted());
+  EXPECT_TRUE(t.GainExhausted());
 }
 
 TEST(Termination, TheSurfaceMustBeFlatOverTheLowRoundsOnAverage) {
@@ -128,21 +128,22 @@ TEST(Termination, TheSurfaceMustBeFlatOverTheLowRoundsOnAverage) {
   t.Observe(100.0, 1.0);
   t.Observe(1.0, 0.028);
   t.Observe(1.0, 0.014);
-  EXPECT_FALSE(t.Exhausted()) << "2.1 % a sweep";
+  EXPECT_FALSE(t.GainExhausted()) << "2.1 % a sweep";
   t.Observe(1.0, 0.015);
-  EXPECT_TRUE(t.Exhausted()) << "1.45 % a sweep";
+  EXPECT_TRUE(t.GainExhausted()) << "1.45 % a sweep";
 }
 
 TEST(Termination, AGainThatNeverFallsIsOverruledByFlatSweeps) {
   Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 4});
   t.Observe(100.0, 1.0);
   for (int i = 0; i < 3; ++i) t.Observe(120.0, 0.002);
-  EXPECT_FALSE(t.Exhausted());
+  EXPECT_FALSE(t.SurfaceFlat());
   t.Observe(120.0, 0.3);
   for (int i = 0; i < 3; ++i) t.Observe(120.0, 0.002);
-  EXPECT_FALSE(t.Exhausted()) << "a sweep that brought something starts the count again";
+  EXPECT_FALSE(t.SurfaceFlat()) << "a sweep that brought something starts the count again";
   t.Observe(120.0, 0.002);
-  EXPECT_TRUE(t.Exhausted());
+  EXPECT_TRUE(t.SurfaceFlat());
+  EXPECT_FALSE(t.GainExhausted()) << "utility stands high: the ending has another name";
 }
 
 core::Pose Standing(double x) {
