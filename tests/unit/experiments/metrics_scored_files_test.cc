@@ -128,8 +128,9 @@ TEST_F(ScoredFiles, ThePythonScriptAgreesAndNoticesADifference) {
   }
   const std::string python =
       std::system("python3 -c 'import numpy' > /dev/null 2>&1") == 0 ? "python3" : "/usr/bin/python3";
-  const std::string command = fmt::format("{} '{}/docs/recompute_coverage.py' '{}' > /dev/null", python,
-                                          ATLAS_SOURCE_DIR, folder_.string());
+  const std::string command =
+      fmt::format("{} '{}' '{}' > /dev/null", python,
+                  core::InstalledFile("docs/recompute_coverage.py").string(), folder_.string());
   core::WriteFileAtomically(folder_ / "config.yaml", "mission:\n  coverage_radius_m: 0.043\n");
   const auto attainable =
       static_cast<double>(std::count(seen_.attainable.begin(), seen_.attainable.end(), uint8_t{1})) /
