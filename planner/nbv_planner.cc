@@ -25,8 +25,8 @@ using core::Vec3;
 
 /// Longest passage in which the robot cannot turn.
 constexpr double kPassage_m = 1.6;
-/// u_thres: next to nothing beside the 1.7 million rays of a sweep, not tuned (docs/thesis_rows.md).
-constexpr double kThesisStopUtility = 50.0;
+/// u_thres: a fortieth of what rear side entropy's first plan promised on the car (docs/thesis_rows.md).
+constexpr double kThesisStopUtility = 5000.0;
 /// A view counts as the committed one within this distance and turn.
 constexpr double kSameView_m = 0.5;
 constexpr double kSameView_rad = core::Radians(50.0);
