@@ -25,7 +25,7 @@ using core::Vec3;
 
 /// Longest passage in which the robot cannot turn.
 constexpr double kPassage_m = 1.6;
-/// u_thres: a fortieth of what rear side entropy's first plan promised on the car (docs/thesis_rows.md).
+/// u_thres: a fortieth of the most that rear side entropy promised on the car (docs/thesis_rows.md).
 constexpr double kThesisStopUtility = 5000.0;
 /// A view counts as the committed one within this distance and turn.
 constexpr double kSameView_m = 0.5;
