@@ -13,8 +13,9 @@ constexpr double kPlaneRadius_m = 0.26;  ///< half side of the square that slope
 constexpr int kStepRadius = 2;           ///< cells
 constexpr float kRiser_m = 0.06;         ///< neighbouring cells that differ by more are the edge of a step
 constexpr double kRidgeWidth_m = 0.25;   ///< what is narrower is no place for feet ...
-constexpr float kRidge_m = 0.06;  ///< ... and trips them where it stands out by more: a tube, a curb stone
-constexpr int kRim2 = 2;          ///< squared cells: so near to an open cell nothing is traversable
+constexpr float kRidge_m = 0.06;   ///< ... and trips them where it stands out by more: a tube, a curb stone
+constexpr int kDropCrossings = 3;  ///< rays that went down, at least; fewer may be noise
+constexpr int kRim2 = 2;           ///< squared cells: so near to an open cell nothing is traversable
 constexpr float kSlopeWeight = 0.4f, kStepWeight = 0.3f, kRoughnessWeight = 0.3f;
 
 /// The limits of TerrainParams as the filters' outputs are compared with them.
@@ -39,15 +40,29 @@ GroundKind WorstOf(const Measured& m) {
   return slope >= roughness ? GroundKind::kSlope : GroundKind::kRoughness;
 }
 
-/// Why nothing can stand on this cell, by itself; kFree where something can.
-GroundKind KindOf(const TerrainImage& image, const GroundImage& ground, size_t i, const Measured& m,
-                  float ridge_m) {
-  if (ground.blocked[i]) return GroundKind::kObstacle;
-  if (!image.solid[i]) {
-    const bool seen_below = ground.kind[i] == CellKind::kBelow || ground.crossings[i] > 0;
-    return seen_below ? GroundKind::kDrop : GroundKind::kUnknown;
+/// Of a cell without support: whether rays were seen to go down there.
+bool SeenBelow(const GroundImage& ground, size_t i) {
+  return ground.kind[i] == CellKind::kBelow || ground.crossings[i] >= kDropCrossings;
+}
+
+/// Whether the nearest open cells were seen to be a drop, or were merely not seen.
+GroundKind RimKind(const TerrainImage& image, const GroundImage& ground, int row, int col) {
+  for (int r = std::max(0, row - 1); r <= std::min(image.side - 1, row + 1); ++r) {
+    for (int c = std::max(0, col - 1); c <= std::min(image.side - 1, col + 1); ++c) {
+      const size_t i = image.Index(r, c);
+      if (image.open[i] && SeenBelow(ground, i)) return GroundKind::kDrop;
+    }
   }
-  if (image.distance2_open[i] <= kRim2) return GroundKind::kDrop;
+  return GroundKind::kUnknown;
+}
+
+/// Why nothing can stand on this cell, by itself; kFree where something can.
+GroundKind KindOf(const TerrainImage& image, const GroundImage& ground, int row, int col, const Measured& m,
+                  float ridge_m) {
+  const size_t i = image.Index(row, col);
+  if (ground.blocked[i]) return GroundKind::kObstacle;
+  if (!image.solid[i]) return SeenBelow(ground, i) ? GroundKind::kDrop : GroundKind::kUnknown;
+  if (image.distance2_open[i] <= kRim2) return RimKind(image, ground, row, col);
   if (!ground.headroom[i]) return GroundKind::kOverhang;
   if (m.step >= 1.0f || ridge_m > kRidge_m) return GroundKind::kStep;
   if (m.slope >= 1.0f) return GroundKind::kSlope;
@@ -69,7 +84,7 @@ void Score(const TerrainParams& params, const GroundImage& ground, const std::ve
           static_cast<size_t>(r / 2) * static_cast<size_t>(image->planes.cols) + static_cast<size_t>(c / 2);
       const Measured m{image->planes.slope_rad[block] / limits.slope_rad, step_m[i] / limits.step_m,
                        image->planes.roughness_m[block] / limits.roughness_m};
-      image->kind[i] = KindOf(*image, ground, i, m, ridge_m[i]);
+      image->kind[i] = KindOf(*image, ground, r, c, m, ridge_m[i]);
       if (image->kind[i] != GroundKind::kFree) continue;
       const float score =
           1.0f - kSlopeWeight * m.slope - kStepWeight * m.step - kRoughnessWeight * m.roughness;
