@@ -19,8 +19,8 @@ class HostileText : public atlas::testing::CommandLine {
 
 TEST_F(HostileText, IsRefusedInEveryArgument) {
   const std::string evil = R"sh("$(printf 'a\033[2Jb\nc')")sh", shown = "'a\\x1b[2Jb\\nc'";
-  for (const std::string head : {"run ", "explain ", "list ", "render ", "report ", "sweep ", "record ", "bench ",
-                                 "map --scans ", "mesh ", "eval ", "export ", ""}) {
+  for (const std::string head : {"run ", "explain ", "list ", "render ", "report ", "sweep ", "record ",
+                                 "bench ", "map --scans ", "mesh ", "eval ", "export ", ""}) {
     ExpectShown(head + evil, shown);
   }
   ExpectShown("run car --out " + evil, shown);
