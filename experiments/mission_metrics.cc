@@ -159,6 +159,8 @@ void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
   scored_.coverage_outer = meter_->coverage_outer();
   scored_.of_attainable = ShareOf(meter_->covered_outer(), attainable_);
   scored_.error = meter_->MeasureCloudError(scene_.object_box);
+  scored_.returns = meter_->kept().points.size();
+  scored_.T_truth_cloud = meter_->T_truth_cloud_counted();
   scored_.map_bytes = mapper.MapBytes();
   if (volume_) scored_.explored_m3 = volume_->ExploredM3(mapper.view());
   scored_.seconds += measuring.seconds();
@@ -238,8 +240,9 @@ void MissionMetrics::Save(const mapping::Mapper& mapper) {
   }
   RecordBlockedWays(&summary);
   ground_.Write(options_.folder);
-  WriteScoredCloud(options_.folder / "cloud.ply", meter_->kept());
-  WriteAlignment(options_.folder / "alignment.txt", meter_->T_truth_cloud_counted());
+  // What came after the last score, on the way to a scan that never was, is not in the summary either.
+  WriteScoredCloud(options_.folder / "cloud.ply", meter_->kept(), score_.returns);
+  WriteAlignment(options_.folder / "alignment.txt", score_.T_truth_cloud);
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
                             PartsCsv(truth_, attainable_, meter_->covered(), meter_->covered_outer()));
   mapper.Save(options_.folder);

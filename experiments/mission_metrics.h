@@ -75,6 +75,8 @@ class MissionMetrics {
   struct Score {
     double coverage = 0.0, coverage_raw = 0.0, coverage_outer = 0.0, of_attainable = 0.0;
     CloudError error;
+    size_t returns = 0;  ///< of the accumulated cloud that this score counts
+    core::Pose T_truth_cloud = core::Pose::Identity();
     double seconds = 0.0;  ///< wall-clock time since the last score
     size_t map_bytes = 0;
     std::optional<double> explored_m3 = {};

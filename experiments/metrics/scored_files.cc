@@ -37,12 +37,12 @@ void WriteScoredTruth(const std::filesystem::path& path, const scenes::GroundTru
   core::WriteFileAtomically(path, out);
 }
 
-void WriteScoredCloud(const std::filesystem::path& path, const mapping::ReturnCloud& cloud) {
-  assert(cloud.points.size() == cloud.origins.size());
-  std::string out = PlyHeader(cloud.points.size(),
-                              {"float x", "float y", "float z", "float vp_x", "float vp_y", "float vp_z"});
-  out.reserve(out.size() + 24 * cloud.points.size());
-  for (size_t i = 0; i < cloud.points.size(); ++i) {
+void WriteScoredCloud(const std::filesystem::path& path, const mapping::ReturnCloud& cloud, size_t count) {
+  assert(count <= cloud.points.size() && cloud.points.size() == cloud.origins.size());
+  std::string out =
+      PlyHeader(count, {"float x", "float y", "float z", "float vp_x", "float vp_y", "float vp_z"});
+  out.reserve(out.size() + 24 * count);
+  for (size_t i = 0; i < count; ++i) {
     Append(&out, cloud.points[i]);
     Append(&out, cloud.origins[i]);
   }

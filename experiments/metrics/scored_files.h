@@ -18,9 +18,9 @@ namespace atlas::experiments {
 void WriteScoredTruth(const std::filesystem::path& path, const scenes::GroundTruth& truth,
                       const std::vector<uint8_t>& attainable);
 
-/// Binary PLY of the returns as scored, map frame as estimated:
+/// Binary PLY of the first `count` returns, map frame as estimated:
 /// float x y z (m), float vp_x vp_y vp_z (m, where the sensor was).
-void WriteScoredCloud(const std::filesystem::path& path, const mapping::ReturnCloud& cloud);
+void WriteScoredCloud(const std::filesystem::path& path, const mapping::ReturnCloud& cloud, size_t count);
 
 /// Text, four rows of four numbers: T_truth_cloud, which takes points of cloud.ply to ground_truth.ply.
 void WriteAlignment(const std::filesystem::path& path, const core::Pose& T_truth_cloud);

@@ -61,7 +61,7 @@ class ScoredFiles : public testing::Test {
     std::filesystem::create_directories(folder_);
     meter_.AddCloud(seen_.cloud);
     WriteScoredTruth(folder_ / "ground_truth.ply", seen_.truth, seen_.attainable);
-    WriteScoredCloud(folder_ / "cloud.ply", meter_.kept());
+    WriteScoredCloud(folder_ / "cloud.ply", meter_.kept(), meter_.kept().points.size());
     WriteAlignment(folder_ / "alignment.txt", meter_.T_truth_cloud_counted());
   }
   ~ScoredFiles() override { std::filesystem::remove_all(folder_); }
