@@ -33,11 +33,17 @@ SweepView::SweepView(const SweepSensorModel& sensor)
       beam_rad_(sensor.lidar.elevation_rad) {
   assert(beam_rad_.size() >= 2);
   std::sort(beam_rad_.begin(), beam_rad_.end());
-  for (size_t i = 0; i + 1 < beam_rad_.size(); ++i) {
-    const double gap = std::max(beam_rad_[i + 1] - beam_rad_[i], 1e-6);
-    beam_share_.push_back(1.0 / (gap * static_cast<double>(beam_rad_.size() - 1)));
+  // A beam's rays are spread over the elevations nearest to it; those of the outermost ones stay within them.
+  const auto beams = static_cast<double>(beam_rad_.size());
+  edge_sine_.push_back(std::sin(beam_rad_.front()));
+  double low = beam_rad_.front();
+  for (size_t i = 0; i < beam_rad_.size(); ++i) {
+    const bool last = i + 1 == beam_rad_.size();
+    const double high = last ? beam_rad_.back() : 0.5 * (beam_rad_[i] + beam_rad_[i + 1]);
+    beam_share_.push_back(1.0 / (std::max(high - low, 1e-6) * beams));
+    edge_sine_.push_back(std::sin(high));
+    low = high;
   }
-  for (const double elevation : beam_rad_) beam_sine_.push_back(std::sin(elevation));
   for (int i = 0; i < kTimeSteps; ++i) {
     const double roll = sensor.roll.At((i + 0.5) / kTimeSteps * sensor.roll.period_s()).roll_rad;
     roll_cos_sin_.emplace_back(std::cos(roll), std::sin(roll));
@@ -57,10 +63,10 @@ double SweepView::DensityAt(const core::Vec3& direction_base) const {
   double sum = 0.0;
   for (const core::Vec2& roll : roll_cos_sin_) {
     const double z = constant + roll.x() * cosine - roll.y() * sine;  // sine of the elevation in the LiDAR
-    if (z < beam_sine_.front() || z > beam_sine_.back()) continue;
-    size_t gap = 0;
-    while (gap + 2 < beam_sine_.size() && z > beam_sine_[gap + 1]) ++gap;
-    sum += beam_share_[gap] / (2.0 * core::kPi * std::sqrt(std::max(1.0 - z * z, 1e-6)));
+    if (z < edge_sine_.front() || z > edge_sine_.back()) continue;
+    size_t beam = 0;
+    while (beam + 1 < beam_share_.size() && z > edge_sine_[beam + 1]) ++beam;
+    sum += beam_share_[beam] / (2.0 * core::kPi * std::sqrt(std::max(1.0 - z * z, 1e-6)));
   }
   return sum / static_cast<double>(roll_cos_sin_.size());
 }

@@ -77,9 +77,9 @@ class SweepView {
   double roll_rad_ = 0.0;
   double sensor_height_m_ = 0.0;
   std::vector<double> beam_rad_;          ///< ascending elevations
-  std::vector<double> beam_sine_;         ///< of those
+  std::vector<double> edge_sine_;         ///< sines of the elevations where one beam is no longer the nearest
   std::vector<core::Vec2> roll_cos_sin_;  ///< of the rolls at even times of the sweep
-  std::vector<double> beam_share_;        ///< of the rays per radian of elevation, between neighbouring beams
+  std::vector<double> beam_share_;        ///< of the rays per radian of elevation, about each beam
   std::vector<double> table_;             ///< row-major, elevation by azimuth
   double common_min_rad_ = 0.0, common_max_rad_ = 0.0, min_rad_ = 0.0, max_rad_ = 0.0;
 };
