@@ -75,7 +75,7 @@ TEST_F(Losses, AClosedTerminalEndsARunWithItsSummary) {
 
 TEST_F(Losses, AClosedPipeEndsARunWithItsSummary) {
   ASSERT_EQ(mkfifo((dir_ / "pipe").c_str(), 0600), 0);
-  const int reader = open((dir_ / "pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  const int reader = open((dir_ / "pipe").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   ChildOptions options = Options();
   options.error = dir_ / "pipe";
   Child run(ShortRun({"mission.max_scans=30"}), options);
