@@ -201,10 +201,20 @@ class Search {
         const int i = grid_.CellOf({x, y});
         if (i < 0 || grid_.kind(i) != GroundKind::kFree || d2[static_cast<size_t>(i)] <= reach * reach)
           continue;
-        if (grid_.clearance_m(i) >= kLeastClearance_m) places.push_back(grid_.CenterOf(i));
+        if (grid_.clearance_m(i) >= kLeastClearance_m) places.push_back(WidestNear(grid_.CenterOf(i)));
       }
     }
     return places;
+  }
+
+  /// The middle of a corridor, not a place at its wall, whose own clearance would be the narrowest of its
+  /// way.
+  Vec2 WidestNear(const Vec2& p) const {
+    int widest = grid_.CellOf(p);
+    grid_.ForDisc(p, 0.75 * kSpacing_m, [&](int j) {
+      if (grid_.kind(j) == GroundKind::kFree && grid_.clearance_m(j) > grid_.clearance_m(widest)) widest = j;
+    });
+    return grid_.CenterOf(widest);
   }
 
   std::optional<BlockedWay> WayThrough(const Vec2& narrowest) const {
