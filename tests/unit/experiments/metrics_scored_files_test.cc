@@ -33,7 +33,7 @@ struct Seen {
     }
     const core::Pose T_cloud_truth =
         core::MakePose(core::RotationFromYawPitchRoll(0.01, 0.0, 0.005), Vec3(0.01, -0.01, 0.02));
-    for (size_t i = 0; i < truth.points.size(); i += 3) {
+    for (size_t i = 0; i < truth.points.size(); i += 2) {
       const Vec3 q = truth.points[i].cast<double>();
       if (q.z() < 0.0 || q.x() > 1.2) continue;
       const Vec3 p = T_cloud_truth * (q + 0.01 * Vec3(rng.Normal(), rng.Normal(), rng.Normal()));
