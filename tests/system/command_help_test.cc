@@ -103,7 +103,7 @@ TEST_F(CommandLine, BashCompletesCommandsOptionsAndNames) {
 complete -p atlas > /dev/null || exit 1
 try() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _atlas; echo "$*: ${COMPREPLY[*]}"; }
 try ./atlas sw
-try atlas run helicopter_
+try atlas run helicopter_g
 try atlas run helicopter --se
 try atlas map --field t
 try atlas list swe
@@ -115,7 +115,7 @@ try atlas run helicopter --out r
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.text,
             "./atlas sw: sweep\n"
-            "atlas run helicopter_: helicopter_grating\n"
+            "atlas run helicopter_g: helicopter_grating\n"
             "atlas run helicopter --se: --seed --set\n"
             "atlas map --field t: tsdf\n"
             "atlas list swe: sweeps\n"
