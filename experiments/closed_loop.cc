@@ -93,6 +93,7 @@ struct Mission {
   SensorFeed feed;
   std::unique_ptr<planner::NbvPlanner> planner;
   planner::SurfaceTally surface;
+  double odometry_distance_m = 0.0;      ///< walked so far, as the robot knows it
   std::vector<core::Vec3f> returns_map;  ///< since the last sweep was tallied; of tasks on kMapLane
   core::TaskLanes lanes;                 ///< ends before what its tasks work on
 };
@@ -162,6 +163,8 @@ std::optional<Ending> EndingOf(NbvOutcome outcome, bool is_space) {
       return Ending{RunStatus::kCompleted, is_space ? StopReason::kExplored : StopReason::kGainExhausted};
     case NbvOutcome::kSurfaceFlat:
       return Ending{RunStatus::kCompleted, StopReason::kSurfaceFlat};
+    case NbvOutcome::kRouteDone:
+      return Ending{RunStatus::kCompleted, StopReason::kRouteDone};
     case NbvOutcome::kBlockedNarrow:
       return Ending{RunStatus::kBudget, StopReason::kBlockedNarrow};
     case NbvOutcome::kOutOfReach:
@@ -179,7 +182,7 @@ std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDeci
   if (const auto ending = EndingOf(decision.outcome, m.scene.is_space)) return ending;
   if (m.metrics.scans() >= mission.max_scans) return Ending{RunStatus::kBudget, StopReason::kScanBudget};
   if (m.simulator->time_s() >= mission.max_time_s) return Ending{RunStatus::kBudget, StopReason::kTimeBudget};
-  if (m.metrics.distance_m() >= mission.max_distance_m)
+  if (m.odometry_distance_m >= mission.max_distance_m)
     return Ending{RunStatus::kBudget, StopReason::kDistanceBudget};
   return std::nullopt;
 }
@@ -192,6 +195,7 @@ std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, i
   const sim::WalkResult walk = m->simulator->Walk({decision.path_map, view.yaw_rad}, &m->terrain);
   m->feed.SetMapping(Mapping::kNothing);
   m->metrics.ObserveWalk(walk, walking.seconds());
+  m->odometry_distance_m += walk.odometry_distance_m;
   if (const auto ending = EndingOf(walk.status)) return ending;
   *failed_walks = walk.status == sim::MotionStatus::kStuck ? *failed_walks + 1 : 0;
   if (*failed_walks >= kMaxFailedWalks) return Ending{RunStatus::kStuck, StopReason::kStuck};

@@ -28,7 +28,8 @@ void NamedParams::Visit(core::ParamVisitor& v) {
 void MissionParams::Visit(core::ParamVisitor& v) {
   v.Field("max_scans", &max_scans, {.min = 1, .max = 1000, .doc = "scan budget"});
   v.Field("max_time_s", &max_time_s, {.unit = "s", .min = 1, .max = 1e6, .doc = "simulated time budget"});
-  v.Field("max_distance_m", &max_distance_m, {.unit = "m", .min = 1, .max = 1e6, .doc = "travel budget"});
+  v.Field("max_distance_m", &max_distance_m,
+          {.unit = "m", .min = 1, .max = 1e6, .doc = "travel budget, by odometry"});
   v.Field("planning_latency_s", &planning_latency_s,
           {.unit = "s", .min = 0, .max = 60, .doc = "simulated time that a plan takes"});
   v.Field("integration_latency_s", &integration_latency_s,

@@ -53,7 +53,6 @@ class MissionMetrics {
   void Report(const std::string& stage, bool final = false);
 
   int scans() const { return scans_; }
-  double distance_m() const { return distance_m_; }
   TimingRow& timing() { return timing_; }
 
  private:

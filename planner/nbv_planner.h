@@ -100,7 +100,9 @@ enum class NbvOutcome {
   kView,
   kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
   kSurfaceFlat,    ///< sweeps in a row brought next to no surface, whatever views promise
-  kBlockedNarrow,  ///< as one of the above, but views that promise more lie beyond ways too narrow
+  kRouteDone,      ///< all views of a given route were visited
+  kBlockedNarrow,  ///< as gain_exhausted or surface_flat, but views that promise more lie beyond ways too
+                   ///< narrow
   kOutOfReach,     ///< nothing of the object was seen from within range, and no way brings the robot nearer
   kNoCandidates,   ///< no place to go to
   kNoPath

@@ -37,6 +37,7 @@ class RoutePlanner final : public NbvPlanner {
     bool any_view = false;
     for (const std::string& text : stops) {
       stops_.push_back(ParseStop(text));
+      if (stops_.back().yaw_rad) last_view_ = stops_.size() - 1;
       any_view = any_view || stops_.back().yaw_rad;
     }
     if (stops_.size() < 2) {
@@ -50,9 +51,13 @@ class RoutePlanner final : public NbvPlanner {
   NbvDecision Plan(const core::Pose& T_map_base, const mapping::OccupancyView&,
                    const TraversableGround&) override {
     NbvDecision decision;
+    if (at_ == last_view_) {
+      decision.outcome = NbvOutcome::kRouteDone;
+      return decision;
+    }
     decision.path_map = {stops_[at_].p_map};
     do {
-      at_ = (at_ + 1) % stops_.size();
+      ++at_;
       decision.path_length_m += (stops_[at_].p_map - decision.path_map.back()).norm();
       decision.path_map.push_back(stops_[at_].p_map);
     } while (!stops_[at_].yaw_rad);
@@ -71,7 +76,7 @@ class RoutePlanner final : public NbvPlanner {
 
  private:
   std::vector<Stop> stops_;
-  size_t at_ = 0;
+  size_t at_ = 0, last_view_ = 0;
 };
 
 }  // namespace

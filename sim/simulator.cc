@@ -15,6 +15,26 @@ constexpr double kRollReturnRate = 0.8;  ///< rad/s, after a sweep that was stop
 constexpr double kDistanceSpacingM = 0.02;
 constexpr double kTimeEps = 1e-6;
 
+/// Length of a way on the ground, in steps long enough that swaying does not add to it.
+class Odometer {
+ public:
+  Odometer() = default;
+  explicit Odometer(const core::Pose& start) : last_(start.translation().head<2>()) {}
+
+  void Observe(const core::Pose& pose) {
+    const core::Vec2 p = pose.translation().head<2>();
+    const double step_m = (p - last_).norm();
+    if (step_m < kDistanceSpacingM) return;
+    distance_m_ += step_m;
+    last_ = p;
+  }
+  double distance_m() const { return distance_m_; }
+
+ private:
+  core::Vec2 last_ = core::Vec2::Zero();
+  double distance_m_ = 0.0;
+};
+
 class WalkingSimulator : public Simulator {
  public:
   WalkingSimulator(const scenes::SceneSpec& scene, const robots::RobotSpec& robot, const SimParams& params,
@@ -70,8 +90,7 @@ class WalkingSimulator : public Simulator {
   BodyRoll roll_;
   std::optional<RollProfile> profile_;  ///< while sweeping
   double sweep_start_s_ = 0.0;
-  double distance_m_ = 0.0;
-  core::Vec2 p_last_ = core::Vec2::Zero();
+  Odometer walked_, walked_by_odometry_;
 };
 
 void WalkingSimulator::ReturnRoll() {
@@ -86,11 +105,8 @@ void WalkingSimulator::Measure(double now_s) {
   const core::Pose T_map_base = locomotion_->T_map_base();
   odometry_.Update(now_s, T_map_base);
   sensors_.Observe(*locomotion_, odometry_, sink_, sweep_);
-  const core::Vec2 p = T_map_base.translation().head<2>();
-  if ((p - p_last_).norm() >= kDistanceSpacingM) {
-    distance_m_ += (p - p_last_).norm();
-    p_last_ = p;
-  }
+  walked_.Observe(T_map_base);
+  walked_by_odometry_.Observe(odometry_.T_odom_base());
   for (StateObserver& observer : observers_) {
     if (now_s < observer.next_s - kTimeEps) continue;
     observer.next_s += observer.period_s;
@@ -149,8 +165,8 @@ WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView*
   locomotion_->SetTerrain(truth ? GroundSource::kTruth : GroundSource::kPerceived, terrain);
   sensors_.SetActivity(Activity::kWalking);
   const double start = time_s();
-  distance_m_ = 0.0;
-  p_last_ = locomotion_->T_map_base().translation().head<2>();
+  walked_ = Odometer(locomotion_->T_map_base());
+  walked_by_odometry_ = Odometer(odometry_.T_odom_base());
 
   PathTracker tracker(path.waypoints_map, path.final_yaw_rad, params_.locomotion.speed_mps);
   WalkResult result;
@@ -172,7 +188,8 @@ WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView*
   }
   locomotion_->SetTerrain(GroundSource::kPlane, nullptr);  // `terrain` may not outlive this call
   sensors_.SetActivity(Activity::kStanding);
-  result.distance_m = distance_m_;
+  result.distance_m = walked_.distance_m();
+  result.odometry_distance_m = walked_by_odometry_.distance_m();
   result.duration_s = time_s() - start;
   return result;
 }

@@ -71,7 +71,8 @@ enum class MotionStatus { kReached, kFell, kStuck, kStopped };
 
 struct WalkResult {
   MotionStatus status = MotionStatus::kReached;
-  double distance_m = 0.0;  ///< walked by the true base
+  double distance_m = 0.0;           ///< walked by the true base
+  double odometry_distance_m = 0.0;  ///< the same as odometry tells it: what the robot knows
   double duration_s = 0.0;
 };
 

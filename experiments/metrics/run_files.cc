@@ -61,6 +61,8 @@ std::string_view NameOf(planner::NbvOutcome outcome) {
       return "gain_exhausted";
     case planner::NbvOutcome::kSurfaceFlat:
       return "surface_flat";
+    case planner::NbvOutcome::kRouteDone:
+      return "route_done";
     case planner::NbvOutcome::kBlockedNarrow:
       return "blocked_narrow";
     case planner::NbvOutcome::kOutOfReach:

@@ -18,10 +18,10 @@ using core::InputError;
 
 constexpr std::array<std::string_view, 6> kStatusNames = {"completed", "budget",      "robot_fell",
                                                           "stuck",     "interrupted", "failed"};
-constexpr std::array<std::string_view, 13> kReasonNames = {
-    "gain_exhausted", "surface_flat",    "explored",     "blocked_narrow", "scan_budget",
-    "time_budget",    "distance_budget", "out_of_reach", "no_candidates",  "fell",
-    "stuck",          "signal",          "error"};
+constexpr std::array<std::string_view, 14> kReasonNames = {
+    "gain_exhausted", "surface_flat", "explored",        "route_done",   "blocked_narrow",
+    "scan_budget",    "time_budget",  "distance_budget", "out_of_reach", "no_candidates",
+    "fell",           "stuck",        "signal",          "error"};
 
 template <typename Enum, size_t N>
 std::optional<Enum> FromName(const std::array<std::string_view, N>& names, std::string_view name) {

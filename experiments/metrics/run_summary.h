@@ -10,11 +10,12 @@
 namespace atlas::experiments {
 
 enum class RunStatus { kCompleted, kBudget, kRobotFell, kStuck, kInterrupted, kFailed };
-/// `completed` goes with the first three only: what ends a mission by its own criterion.
+/// `completed` goes with the first four only: what ends a mission by its own criterion.
 enum class StopReason {
   kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
   kSurfaceFlat,    ///< sweeps in a row brought next to no surface, whatever views promise
   kExplored,       ///< of scenes to explore: nothing reachable promises more
+  kRouteDone,      ///< all views of a given route were visited
   kBlockedNarrow,  ///< what promises more lies beyond ways too narrow for the robot
   kScanBudget,
   kTimeBudget,

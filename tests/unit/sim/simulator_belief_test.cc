@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 
 #include "locomotion_scenes.h"
 #include "robots/robot_spec.h"
@@ -59,6 +60,35 @@ class Landings : public core::SensorSink {
  private:
   bool down_[4] = {true, true, true, true};
 };
+
+/// Length of the way that odometry tells of.
+class OdometryWay : public core::SensorSink {
+ public:
+  void OnState(const core::StateEvent& event) override {
+    const Vec2 p = event.T_odom_base.translation().head<2>();
+    if (p_last_) length_m += (p - *p_last_).norm();
+    p_last_ = p;
+  }
+  double length_m = 0.0;
+
+ private:
+  std::optional<Vec2> p_last_;
+};
+
+TEST(SimulatorBelief, TheDistanceThatTheRobotKnowsIsThatOfItsOdometry) {
+  SimParams params = Params("kinematic");
+  params.odometry.drift_xy_per_m = 0.1;
+  params.localisation.name = "none";
+  const auto sim = MakeOnFlatGround(params, 3);
+  OdometryWay way;
+  sim->SetSink(&way);
+  const WalkResult walk = sim->Walk({{Vec2(5.0, 0.0)}, 0.0}, nullptr);
+  sim->SetSink(nullptr);
+  // Odometry that jumps to and fro tells of a longer way, and of the more the closer one looks.
+  EXPECT_GT(way.length_m, 1.2 * walk.distance_m);
+  EXPECT_GT(walk.odometry_distance_m, 1.15 * walk.distance_m);
+  EXPECT_LT(walk.odometry_distance_m, way.length_m);
+}
 
 TEST(SimulatorBelief, FeetKeepOffWhatTheMapHoldsUnsteppableThoughTheGroundIsLevel) {
   const StripedMap map;
