@@ -1,5 +1,6 @@
 #include "experiments/metrics/coverage.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -17,6 +18,7 @@ using core::Vec3f;
 constexpr float kErrorLimitM = 0.5f;
 constexpr size_t kErrorSamples = 50000;
 constexpr double kSurroundingsCellM = 0.1;
+constexpr float kRounding = 1e-4f;  ///< bounds of groups are wider by this: no point is left out for rounding
 
 Box3 BoundsOf(const std::vector<Vec3f>& points) {
   Box3 box;
@@ -52,22 +54,84 @@ CoverageScorer::CoverageScorer(const std::vector<Vec3f>& truth_points, double ra
 CoverageScorer::CoverageScorer(std::shared_ptr<const PointGrid> truth, double radius_m)
     : radius_m_(radius_m), grid_(std::move(truth)) {
   assert(radius_m > 0.0);
-  Reset();
+  BuildGroups();
 }
 
 CoverageScorer::CoverageScorer(std::shared_ptr<const PointGrid> truth, const scenes::GroundTruth& sides,
                                double radius_m)
-    : CoverageScorer(std::move(truth), radius_m) {
-  assert(sides.normals.size() == entries_.size());
-  assert(sides.two_sided.empty() || sides.two_sided.size() == entries_.size());
-  sides_ = &sides;
+    : radius_m_(radius_m), sides_(&sides), grid_(std::move(truth)) {
+  assert(radius_m > 0.0);
+  assert(sides.normals.size() == grid_->entries().size());
+  assert(sides.two_sided.empty() || sides.two_sided.size() == grid_->entries().size());
+  BuildGroups();
+}
+
+bool CoverageScorer::IsTwoSided(const PointGrid::Entry& q) const {
+  return !sides_->two_sided.empty() && sides_->two_sided[q.index] != 0;
+}
+
+void CoverageScorer::BuildGroups() {
+  entries_ = grid_->entries();
+  // Where sides matter, a cell's points are told apart by the axis that is next to their normal.
+  constexpr int kTwoSided = 6;
+  const auto way_of = [this](const PointGrid::Entry& q) {
+    if (sides_ == nullptr || IsTwoSided(q)) return kTwoSided;
+    int axis = 0;
+    const Vec3f& n = sides_->normals[q.index];
+    n.cwiseAbs().maxCoeff(&axis);
+    return 2 * axis + (n[axis] < 0.0f ? 1 : 0);
+  };
+  group_begin_.assign(1, 0);
+  for (size_t cell = 0; cell < grid_->cell_count(); ++cell) {
+    const auto id = static_cast<int32_t>(cell);
+    const uint32_t end = grid_->CellEnd(id);
+    uint32_t begin = grid_->CellBegin(id);
+    std::sort(entries_.begin() + begin, entries_.begin() + end,
+              [&](const auto& a, const auto& b) { return way_of(a) < way_of(b); });
+    for (uint32_t i = begin; i < end; ++i) {
+      const int way = way_of(entries_[i]);
+      if (i + 1 < end && way_of(entries_[i + 1]) == way) continue;
+      AddGroup(begin, i + 1, way != kTwoSided);
+      begin = i + 1;
+    }
+    group_begin_.push_back(static_cast<uint32_t>(groups_.size()));
+  }
+  Reset();
+}
+
+void CoverageScorer::AddGroup(uint32_t begin, uint32_t end, bool has_outside) {
+  Group group{.begin = begin, .end = end, .has_outside = has_outside};
+  Eigen::AlignedBox3f box;
+  for (uint32_t i = begin; i < end; ++i) {
+    box.extend(entries_[i].p);
+    if (has_outside) group.axis += sides_->normals[entries_[i].index];
+  }
+  group.center = box.center();
+  group.axis.normalize();
+  for (uint32_t i = begin; i < end; ++i) {
+    group.reach_m = std::max(group.reach_m, (entries_[i].p - group.center).norm());
+    if (has_outside)
+      group.cos_spread = std::min(group.cos_spread, group.axis.dot(sides_->normals[entries_[i].index]));
+  }
+  group.reach_m += kRounding;
+  group.sin_spread = std::sqrt(std::max(0.0f, 1.0f - group.cos_spread * group.cos_spread)) + kRounding;
+  groups_.push_back(group);
+}
+
+/// n . (o - q) is greatest for the normal of the cone that is next to o - center, and the point nearest to o.
+bool CoverageScorer::Group::MayFace(const Vec3f& origin) const {
+  const Vec3f d = origin - center;
+  const float along = axis.dot(d), length_sq = d.squaredNorm();
+  if (along >= 0.0f) return true;
+  const float across = std::sqrt(std::max(0.0f, length_sq - along * along));
+  return cos_spread <= 0.0f || along * cos_spread + across * sin_spread + reach_m > 0.0f;
 }
 
 void CoverageScorer::Reset() {
-  entries_ = grid_->entries();
+  for (Group& group : groups_) group.unmarked = group.end - group.begin;
   unmarked_.resize(grid_->cell_count());
   for (size_t cell = 0; cell < unmarked_.size(); ++cell) {
-    const int32_t id = static_cast<int32_t>(cell);
+    const auto id = static_cast<int32_t>(cell);
     unmarked_[cell] = grid_->CellEnd(id) - grid_->CellBegin(id);
   }
   covered_.assign(entries_.size(), 0);
@@ -77,14 +141,13 @@ void CoverageScorer::Reset() {
 void CoverageScorer::AddPoints(std::span<const Vec3f> points, const Pose& T) {
   assert(sides_ == nullptr);
   if (entries_.empty()) return;
-  const auto any = [](const PointGrid::Entry&) { return true; };
   if (T.matrix() == Pose::Identity().matrix()) {
-    for (const Vec3f& p : points) MarkAround(p, any);
+    for (const Vec3f& p : points) MarkAround(p, nullptr);
     return;
   }
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Vec3f t = T.translation().cast<float>();
-  for (const Vec3f& p : points) MarkAround(R * p + t, any);
+  for (const Vec3f& p : points) MarkAround(R * p + t, nullptr);
 }
 
 void CoverageScorer::AddReturns(std::span<const Vec3f> points, std::span<const Vec3f> origins,
@@ -96,35 +159,43 @@ void CoverageScorer::AddReturns(std::span<const Vec3f> points, std::span<const V
   const Vec3f t = T.translation().cast<float>();
   for (size_t i = 0; i < points.size(); ++i) {
     const Vec3f origin = R * origins[i] + t;
-    MarkAround(R * points[i] + t, [&](const PointGrid::Entry& q) {
-      if (!sides_->two_sided.empty() && sides_->two_sided[q.index] != 0) return true;
-      return sides_->normals[q.index].dot(origin - q.p) > 0.0f;
-    });
+    MarkAround(R * points[i] + t, &origin);
   }
 }
 
-template <typename Counts>
-void CoverageScorer::MarkAround(const Vec3f& p, const Counts& counts) {
+void CoverageScorer::MarkAround(const Vec3f& p, const Vec3f* origin) {
   PointGrid::CellRange range;
   const float radius = static_cast<float>(radius_m_);
   if (!grid_->CellsAround(p, radius, &range)) return;
   const float radius_sq = radius * radius;
+  const auto counts = [&](const PointGrid::Entry& q) {
+    return origin == nullptr || IsTwoSided(q) || sides_->normals[q.index].dot(*origin - q.p) > 0.0f;
+  };
+  const auto mark_in = [&](Group* group) -> uint32_t {
+    const float reach = radius + group->reach_m;
+    if (group->unmarked == 0 || (p - group->center).squaredNorm() > reach * reach) return 0;
+    if (origin != nullptr && group->has_outside && !group->MayFace(*origin)) return 0;
+    const uint32_t before = group->unmarked;
+    for (uint32_t i = 0; i < group->unmarked;) {
+      PointGrid::Entry& entry = entries_[group->begin + i];
+      if ((entry.p - p).squaredNorm() > radius_sq || !counts(entry)) {
+        ++i;
+        continue;
+      }
+      covered_[entry.index] = 1;
+      std::swap(entry, entries_[group->begin + --group->unmarked]);
+    }
+    covered_count_ += before - group->unmarked;
+    return before - group->unmarked;
+  };
   for (int z = range.lo[2]; z <= range.hi[2]; ++z) {
     for (int y = range.lo[1]; y <= range.hi[1]; ++y) {
       for (int x = range.lo[0]; x <= range.hi[0]; ++x) {
         const int32_t cell = grid_->CellAt(x, y, z);
-        if (cell < 0) continue;
-        uint32_t& unmarked = unmarked_[static_cast<size_t>(cell)];
-        const uint32_t begin = grid_->CellBegin(cell);
-        for (uint32_t i = 0; i < unmarked;) {
-          PointGrid::Entry& entry = entries_[begin + i];
-          if ((entry.p - p).squaredNorm() > radius_sq || !counts(entry)) {
-            ++i;
-            continue;
-          }
-          covered_[entry.index] = 1;
-          ++covered_count_;
-          std::swap(entry, entries_[begin + --unmarked]);
+        if (cell < 0 || unmarked_[static_cast<size_t>(cell)] == 0) continue;
+        const auto at = static_cast<size_t>(cell);
+        for (uint32_t g = group_begin_[at]; g < group_begin_[at + 1]; ++g) {
+          unmarked_[at] -= mark_in(&groups_[g]);
         }
       }
     }

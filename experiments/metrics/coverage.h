@@ -61,14 +61,31 @@ class CoverageScorer {
   const std::shared_ptr<const PointGrid>& grid() const { return grid_; }
 
  private:
-  template <typename Counts>
-  void MarkAround(const core::Vec3f& p, const Counts& counts);
+  /// Points of one cell that look about one way: most returns pass them by with two dot products.
+  struct Group {
+    uint32_t begin = 0, end = 0, unmarked = 0;  ///< of entries_; the unmarked ones come first
+    core::Vec3f center = core::Vec3f::Zero();
+    float reach_m = 0.0f;      ///< greatest distance of a point from the centre
+    bool has_outside = false;  ///< a side that does not count, and the cone that holds all outer normals:
+    core::Vec3f axis = core::Vec3f::Zero();
+    float cos_spread = 1.0f, sin_spread = 0.0f;
+    /// Whether it may hold a point whose outer side `origin` is on.
+    bool MayFace(const core::Vec3f& origin) const;
+  };
+
+  void BuildGroups();
+  void AddGroup(uint32_t begin, uint32_t end, bool has_outside);
+  /// Marks what a return at p covers; seen from `origin`, or null where sides do not matter.
+  void MarkAround(const core::Vec3f& p, const core::Vec3f* origin);
+  bool IsTwoSided(const PointGrid::Entry& q) const;
 
   double radius_m_;
   const scenes::GroundTruth* sides_ = nullptr;  // where the outer side decides
   std::shared_ptr<const PointGrid> grid_;
-  std::vector<PointGrid::Entry> entries_;  // each cell's unmarked points first
-  std::vector<uint32_t> unmarked_;         // how many those are, by cell
+  std::vector<PointGrid::Entry> entries_;  // by group
+  std::vector<Group> groups_;              // by cell
+  std::vector<uint32_t> group_begin_;      // of each cell, one more at the end
+  std::vector<uint32_t> unmarked_;         // points of each cell
   std::vector<uint8_t> covered_;
   size_t covered_count_ = 0;
 };

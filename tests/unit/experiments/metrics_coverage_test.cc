@@ -120,6 +120,34 @@ TEST(CoverageScorer, OfTheOuterSideEqualsBruteForceAfterEveryCloud) {
   }
 }
 
+/// Level and tilted plates, seen from all sides: whole groups of points look away from most sensors.
+TEST(CoverageScorer, OfTheOuterSideOfFlatFacesEqualsBruteForce) {
+  core::Rng rng(23);
+  const double radius = 0.043;
+  for (const double tilt : {0.0, 0.4, 0.8}) {
+    scenes::GroundTruth truth = SampledBox({0.3, 0.2, 0.01}, 0.012);
+    const Eigen::Matrix3f R = core::RotationFromYawPitchRoll(0.2, tilt, 0.5 * tilt).cast<float>();
+    for (Vec3f& p : truth.points) p = R * p;
+    for (Vec3f& n : truth.normals) n = R * n;
+    CoverageScorer scorer(std::make_shared<PointGrid>(truth.points, 2.0 * radius), truth, radius);
+    const std::vector<Vec3f> points = RandomPoints(60, 0.3, &rng), origins = RandomPoints(60, 1.5, &rng);
+    scorer.AddReturns(points, origins, Pose::Identity());
+    std::vector<uint8_t> expected(truth.points.size(), 0);
+    for (size_t i = 0; i < expected.size(); ++i) {
+      const Vec3 q = truth.points[i].cast<double>(), n = truth.normals[i].cast<double>();
+      for (size_t k = 0; k < points.size(); ++k) {
+        const Vec3 p = points[k].cast<double>(), o = origins[k].cast<double>();
+        if ((p - q).norm() <= radius && n.dot(o - q) > 0.0) expected[i] = 1;
+      }
+    }
+    size_t differ = 0;  // rounding at the radius
+    for (size_t i = 0; i < expected.size(); ++i) differ += expected[i] != scorer.covered()[i];
+    EXPECT_LE(differ, 1u) << tilt;
+    EXPECT_GT(scorer.covered_count(), 100u);
+    EXPECT_LT(scorer.covered_count(), truth.points.size() / 2);
+  }
+}
+
 TEST(CoverageMeter, FarFaceOfAThinPlateIsCoveredByEq39AloneUntilItIsSeen) {
   // A plate of 2 cm, its upper face seen from above with 1 cm of noise.
   const scenes::GroundTruth truth = SampledBox({1.0, 0.5, 0.01}, 0.01);
