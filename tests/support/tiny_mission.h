@@ -23,13 +23,17 @@ ground: {size: [7, 7]}
 parts:
   - {primitive: box, name: block, size: [0.6, 0.6, 0.9], pose: {xyz: [0, 0, 0.45]}}
 )");
-    core::WriteFileAtomically(folder_ / "tiny.yaml",
-                              "scene: {name: " + (folder_ / "block.yaml").string() + "}\n" + R"(
+    const std::string bare = "scene: {name: " + (folder_ / "block.yaml").string() + "}\n" + R"(
 locomotion: {name: kinematic, speed_mps: 1.0, sweep_period_s: 3.0}
 sensors: {depth_camera: false, walking_spin_stride: 5}
 mapper: {resolution_m: 0.1}
-planner: {nodes: 6, rays: 100, headings: 2, lattice_m: 1.0, rrt_star_iterations: 50, terrain: {cell_m: 0.06}}
+planner: {terrain: {cell_m: 0.06}}
 mission: {max_scans: 2, truth_spacing_m: 0.05}
+)";
+    core::WriteFileAtomically(folder_ / "bare.yaml", bare);
+    core::WriteFileAtomically(folder_ / "tiny.yaml", R"(
+extends: bare.yaml
+planner: {nodes: 6, rays: 100, headings: 2, lattice_m: 1.0, rrt_star_iterations: 50}
 )");
     ::setenv("ATLAS_CACHE", (folder_ / "cache").c_str(), 1);
   }
@@ -38,6 +42,10 @@ mission: {max_scans: 2, truth_spacing_m: 0.05}
   /// Loads the mission with these assignments over it. @throws InputError as LoadExperiment.
   experiments::ExperimentConfig Load(const std::vector<std::string>& assignments) const {
     return experiments::LoadExperiment((folder_ / "tiny.yaml").string(), assignments);
+  }
+  /// The same without a word on how to plan, for whatever planner the assignments name.
+  experiments::ExperimentConfig LoadBare(const std::vector<std::string>& assignments) const {
+    return experiments::LoadExperiment((folder_ / "bare.yaml").string(), assignments);
   }
   /// Runs it into folder()/NAME.
   experiments::RunSummary Run(const std::vector<std::string>& assignments, const std::string& name,

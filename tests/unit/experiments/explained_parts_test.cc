@@ -1,0 +1,223 @@
+// Every parameter of the simulator, the mapper and the elevation map does something: changed alone, it
+// changes what that part tells. A mission builds each of them from its section as it is here
+// (ExplainedParameters.EverySectionReachesTheMission).
+#include <gtest/gtest.h>
+
+#include "mapping/mapper.h"
+#include "planner/terrain/elevation_map.h"
+#include "scenes/catalog.h"
+#include "sim/simulator.h"
+#include "tests/support/explained_rows.h"
+#include "tests/support/terrain_scenes.h"
+#include "tests/support/tiny_mission.h"
+
+namespace atlas::experiments {
+namespace {
+
+using core::Pose;
+using core::Vec2;
+using core::Vec3;
+using tests::Digest;
+using tests::ParameterProbe;
+using tests::Settings;
+
+constexpr double kStance_m = 0.44;
+
+ParameterProbe ProbeOf(const tests::TinyMissions& missions, ParameterProbe::Look look) {
+  return {[&missions](const std::vector<std::string>& set) { return missions.LoadBare(set); },
+          std::move(look)};
+}
+
+/// All that the simulator tells whoever listens.
+class Listener : public core::SensorSink {
+ public:
+  void OnState(const core::StateEvent& event) override {
+    told.Add(event.time_s);
+    told.Add(event.T_odom_base);
+    told.Add(event.T_map_odom);
+  }
+  void OnSpin(const core::SpinEvent& event) override {
+    told.Add(event.scan.range_m);
+    told.Add(event.scan.kind);
+    for (const core::StampedPose& pose : event.T_odom_lidar.poses()) told.Add(pose.T);
+  }
+  void OnDepth(const core::DepthEvent& event) override { told.Add(event.image.depth_m); }
+  Digest told;
+};
+
+/// Ground that the robot believes to be uneven.
+class Hummocks : public core::TerrainView {
+ public:
+  Ground At(double x_map, double y_map) const override {
+    return {
+        .height_m = 0.01 * std::sin(9.0 * x_map) * std::cos(7.0 * y_map), .known = true, .steppable = true};
+  }
+};
+
+/// A short walk and a scanning action.
+std::string SimulatorTells(const ExperimentConfig& config) {
+  const scenes::SceneSpec scene = scenes::LoadScene(config.scene.name);
+  const auto simulator =
+      sim::MakeSimulator(scene, robots::LoadRobot(config.robot.name), config.sim, core::Rng(3));
+  Listener listener;
+  simulator->SetSink(&listener);
+  const Hummocks ground;
+  simulator->Walk({{Vec2(-1.8, 0.0), Vec2(-1.5, 0.1)}, 0.3}, &ground);
+  simulator->RollSweep(nullptr);
+  listener.told.Add(simulator->TrueBasePose());
+  return listener.told.text();
+}
+
+TEST(ExplainedParts, OfTheSimulatorAct) {
+  const std::vector<std::string> trot = {"locomotion.name=trot", "locomotion.speed_mps=0.5"},
+                                 camera = {"sensors.depth_camera=true"};
+  const Settings settings = {
+      {"locomotion.terrain", {trot}},           {"locomotion.speed_mps", {{}, "0.5"}},
+      {"odometry.velocity_sigma_mps", {trot}},  {"odometry.attitude_sigma_deg", {trot}},
+      {"sensors.lidar", {{}, "os1_64"}},        {"sensors.depth_width", {camera}},
+      {"sensors.depth_height", {camera}},       {"sensors.depth_rate_hz", {camera}},
+      {"sensors.depth_max_m", {camera, "0.6"}},
+  };
+  const tests::TinyMissions missions;
+  ParameterProbe probe = ProbeOf(missions, SimulatorTells);
+  for (const auto& context : {trot, camera}) probe.SeeNothingElseAct(context);
+  for (const char* section : {"locomotion", "odometry", "localisation", "sensors"}) {
+    probe.SeeThemAct(section, {}, settings);
+  }
+}
+
+/// Sweeps of a block on a floor that ends nearby, from three places.
+std::vector<core::Sweep> SweepsOfABlock() {
+  struct Collector : core::SensorSink {
+    void OnSpin(const core::SpinEvent& event) override { sweep.spins.push_back(event); }
+    core::Sweep sweep;
+  };
+  testing::PatchWorld world;
+  world.AddRectangle(-6, -3, 3, 3, 0);
+  world.AddBox({-0.3, -0.3, 0}, {0.3, 0.3, 0.9});
+  world.AddBox({-0.4, 0.35, 0.3}, {0.0, 0.38, 0.6});
+  testing::TerrainSensors sensors(&world, 1);
+  std::vector<core::Sweep> sweeps;
+  for (const Vec3& stand :
+       {Vec3(-1.8, 0.0, kStance_m), Vec3(-1.1, 1.2, kStance_m), Vec3(-5.2, 0.0, kStance_m)}) {
+    Collector collector;
+    sensors.Sweep(core::PoseFromXyzYaw(stand, 0.4), core::Radians(40), 8, &collector);
+    sweeps.push_back(collector.sweep);
+  }
+  return sweeps;
+}
+
+/// The cloud, the file, and what rays of a planner meet.
+std::string MapperTells(const tests::TinyMissions& missions, const std::vector<core::Sweep>& sweeps,
+                        const ExperimentConfig& config) {
+  const auto mapper = mapping::MakeMapper(config.mapper, {Vec3(-0.4, -0.4, 0.05), Vec3(0.4, 0.4, 1.0)},
+                                          core::FindLidarModel("vlp16"));
+  Digest told;
+  for (const core::Sweep& sweep : sweeps) told.Add(mapper->Integrate(sweep).points);
+  told.Add(core::ReadFile(missions.folder() / mapper->Save(missions.folder())));
+  std::vector<mapping::RaySample> samples;
+  for (int i = 0; i < 800; ++i) {  // from the front and from behind
+    const double azimuth = -0.35 + 0.035 * (i % 20), elevation = -0.3 + 0.03 * (i / 20 % 20);
+    const Vec3 side(i < 400 ? -1.0 : 1.0, 0, 0);
+    const Vec3 direction = core::RotationFromYawPitchRoll(azimuth, elevation, 0) * -side;
+    told.Add(mapper->view().Trace(1.8 * side + Vec3(0, 0.2, 0.7), direction, 10.0, &samples));
+    for (const mapping::RaySample& sample : samples) {
+      told.Add(sample.occupancy);
+      told.Add(sample.behind_surface);
+      told.Add(sample.voxels);
+    }
+  }
+  return told.text();
+}
+
+TEST(ExplainedParts, OfEveryMapperAct) {
+  const std::string fine = "mapper.resolution_m=0.03";
+  const Settings settings = {
+      {"mapper.max_range_m", {{}, "1.5"}},
+      {"mapper.void_range_m", {{}, "0.5"}},
+      {"mapper.lambda_sigma", {{}, "0.05"}},
+      {"mapper.max_scale", {{"mapper.resolution_m=0.008"}, "1"}},
+      {"mapper.lossless", {{fine}}},
+      {"mapper.remap_stop_rad", {{}, "0.1"}},
+      {"mapper.lambda_r", {{fine, "mapper.behind_max_m=1"}, "0.2"}},
+      {"mapper.behind_max_m", {{fine, "mapper.lambda_r=0.2"}, "1"}},
+  };
+  const tests::TinyMissions missions;
+  const std::vector<core::Sweep> sweeps = SweepsOfABlock();
+  ParameterProbe probe = ProbeOf(
+      missions, [&](const ExperimentConfig& config) { return MapperTells(missions, sweeps, config); });
+  for (const mapping::CatalogEntry& mapper : mapping::Catalog()) {
+    probe.SeeNothingElseAct({"mapper=" + mapper.name});
+    probe.SeeThemAct("mapper", {"mapper=" + mapper.name}, settings);
+  }
+}
+
+/// A floor with all that may stop a robot: steps low and high, ramps gentle and steep, gravel, a pit and an
+/// edge, a gap.
+testing::PatchWorld RoughGround() {
+  testing::PatchWorld world;
+  world.AddPlateWithHole(-3, -3, 3, 3, 0, {Vec3(1.0, -0.5, -1), Vec3(2.0, 0.5, 1)});
+  world.AddRectangle(1.0, -0.5, 2.0, 0.5, -0.4);
+  world.AddBox({-2.5, 1.0, 0}, {-1.5, 2.5, 0.18});
+  world.AddBox({1.0, 1.2, 0}, {1.2, 1.4, 0.9});
+  world.patches.push_back({{-2.5, -2.5, 0}, {1.0, 0, 0.3}, {0, 1.2, 0}});
+  world.patches.push_back({{0.2, -2.8, 0}, {0.8, 0, 0.5}, {0, 1.2, 0}});
+  for (int i = 0; i < 5; ++i) {
+    for (int j = 0; j < 5; ++j) {
+      if ((i + j) % 2 == 0) continue;
+      const Vec3 corner(-0.9 + 0.2 * i, 1.2 + 0.2 * j, 0);
+      world.AddBox(corner, corner + Vec3(0.2, 0.2, 0.1));
+    }
+  }
+  return world;
+}
+
+struct Survey {
+  explicit Survey(const testing::PatchWorld& world) {
+    struct Collector : core::SensorSink {
+      explicit Collector(Survey* s) : survey(s) {}
+      void OnState(const core::StateEvent& event) override { survey->states.push_back(event); }
+      void OnSpin(const core::SpinEvent& event) override { survey->spins.push_back(event); }
+      Survey* survey;
+    } collector(this);
+    testing::TerrainSensors sensors(&world, 1);
+    sensors.column_stride = 3;
+    for (const double x : {0.0, 0.4}) {
+      sensors.Sweep(core::PoseFromXyzYaw(Vec3(x, 0, kStance_m), 0), core::Radians(40), 15, &collector);
+    }
+  }
+  std::vector<core::StateEvent> states;
+  std::vector<core::SpinEvent> spins;
+};
+
+std::string TerrainTells(const Survey& survey, const ExperimentConfig& config) {
+  planner::ElevationMap map(config.planner.terrain, robots::LoadRobot(config.robot.name));
+  map.InitialiseUnderRobot(core::PoseFromXyzYaw(Vec3(0, 0, kStance_m), 0));
+  for (size_t i = 0; i < survey.spins.size(); ++i) {
+    map.OnState(survey.states[i]);
+    map.OnSpin(survey.spins[i]);
+  }
+  map.Update();
+  const planner::ElevationMap::Grid grid = map.Export();
+  Digest told;
+  told.Add(grid.height_m);
+  told.Add(grid.traversability);
+  told.Add(grid.kind);
+  for (int i = 0; i < 24 * 24 * 4; ++i) {
+    const Vec2 p(-3.0 + 0.25 * (i % 24), -3.0 + 0.25 * (i / 24 % 24));
+    told.Add(map.FootprintFree(p, 0.25 * core::kPi * (i / 576)));
+  }
+  return told.text();
+}
+
+TEST(ExplainedParts, OfTheTerrainAct) {
+  const Survey survey(RoughGround());
+  const tests::TinyMissions missions;
+  ParameterProbe probe =
+      ProbeOf(missions, [&](const ExperimentConfig& config) { return TerrainTells(survey, config); });
+  probe.SeeNothingElseAct({});
+  probe.SeeThemAct("planner.terrain", {}, {{"planner.terrain.window_m", {{}, "4"}}});
+}
+
+}  // namespace
+}  // namespace atlas::experiments
