@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/errors.h"
@@ -86,9 +87,9 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     o.sigma_min_m = static_cast<float>(params_.sigma_min_m);
     o.lambda_sigma = static_cast<float>(params_.lambda_sigma);
     o.remap_stop_rad = static_cast<float>(params_.remap_stop_rad);
-    o.max_scale = params_.max_scale;
+    o.max_scale = static_cast<int>(std::bit_floor(static_cast<unsigned>(params_.max_scale)));
     if (!kOccupancy)
-      o.reach_behind_m = static_cast<float>(params_.truncation_voxels * resolution * params_.max_scale);
+      o.reach_behind_m = static_cast<float>(params_.truncation_voxels * resolution * o.max_scale);
     o.motion_aware = params_.motion_aware;
     o.threads = params_.threads;
     return o;

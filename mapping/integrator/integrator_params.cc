@@ -26,8 +26,9 @@ void IntegratorParams::VisitFilling(core::ParamVisitor& v) {
            .min = 0.0,
            .max = 0.87,
            .doc = "a beam clears voxels whose middle it passes this near, though others end before them"});
-  v.Field("max_scale", &max_scale,
-          {.unit = "voxels", .min = 1, .max = 4, .doc = "largest cell side inside a block: 1, 2 or 4"});
+  v.Field(
+      "max_scale", &max_scale,
+      {.unit = "voxels", .min = 1, .max = 4, .doc = "largest cell side inside a block: 1, 2 or 4 (3 is 2)"});
   v.Field("lossless", &lossless,
           {.doc = "collapse only equal voxels; else free leaves keep their least free value"});
   v.Field("motion_aware", &motion_aware, {.doc = "per-ray poses (thesis 4.5.3); off: one pose a scan"});

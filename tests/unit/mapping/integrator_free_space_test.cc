@@ -169,5 +169,23 @@ TEST(IntegratorFreeSpace, NothingIsKeptOutsideTheRegion) {
   EXPECT_LE(different, inside / 1000);
 }
 
+template <typename AnyField>
+void ExpectThreeToBeTwo() {
+  const core::LidarModel lidar = tests::SmallLidar();
+  const auto spins = tests::WalkThrough(tests::FurnishedRoom(), lidar, 1);
+  const auto digest = [&](int max_scale) {
+    IntegratorParams params;
+    params.max_scale = max_scale;
+    return tests::DigestOf(tests::MapOf<AnyField>(spins, lidar, params, 0.025));
+  };
+  EXPECT_TRUE(digest(3) == digest(2));
+  EXPECT_FALSE(digest(3) == digest(4)) << "beams are four voxels apart somewhere";
+}
+
+TEST(IntegratorFreeSpace, CellsAreOneTwoOrFourVoxelsWide) {
+  ExpectThreeToBeTwo<OccupancyField>();
+  ExpectThreeToBeTwo<TsdfField>();
+}
+
 }  // namespace
 }  // namespace atlas::mapping
