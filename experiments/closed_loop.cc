@@ -7,6 +7,7 @@
 #include "core/files.h"
 #include "core/lidar_model.h"
 #include "core/task_lanes.h"
+#include "experiments/ending.h"
 #include "experiments/mission_metrics.h"
 #include "experiments/run_film.h"
 #include "experiments/run_folder.h"
@@ -20,7 +21,6 @@ namespace atlas::experiments {
 namespace {
 
 using core::Pose;
-using planner::NbvOutcome;
 
 constexpr int kMaxFailedWalks = 3;
 
@@ -98,24 +98,6 @@ struct Mission {
   core::TaskLanes lanes;                 ///< ends before what its tasks work on
 };
 
-struct Ending {
-  RunStatus status;
-  StopReason reason;
-};
-
-std::optional<Ending> EndingOf(sim::MotionStatus status) {
-  switch (status) {
-    case sim::MotionStatus::kFell:
-      return Ending{RunStatus::kRobotFell, StopReason::kFell};
-    case sim::MotionStatus::kStopped:
-      return Ending{RunStatus::kInterrupted, StopReason::kSignal};
-    case sim::MotionStatus::kReached:
-    case sim::MotionStatus::kStuck:
-      break;
-  }
-  return std::nullopt;
-}
-
 /// Sweeps while the map takes the walk that led here and what the sweep sees; the robot stands until both are
 /// integrated, and the planner learns how much surface was new.
 std::optional<Ending> SweepAndIntegrate(Mission* m) {
@@ -152,28 +134,6 @@ planner::NbvDecision PlanNextView(Mission* m) {
   m->lanes.Drain(kMapLane);
   m->metrics.AdoptScore();
   return decision;
-}
-
-/// How a plan ends the mission: by what the robot knows, never by the truth.
-std::optional<Ending> EndingOf(NbvOutcome outcome, bool is_space) {
-  switch (outcome) {
-    case NbvOutcome::kView:
-      return std::nullopt;
-    case NbvOutcome::kGainExhausted:
-      return Ending{RunStatus::kCompleted, is_space ? StopReason::kExplored : StopReason::kGainExhausted};
-    case NbvOutcome::kSurfaceFlat:
-      return Ending{RunStatus::kCompleted, StopReason::kSurfaceFlat};
-    case NbvOutcome::kRouteDone:
-      return Ending{RunStatus::kCompleted, StopReason::kRouteDone};
-    case NbvOutcome::kBlockedNarrow:
-      return Ending{RunStatus::kBudget, StopReason::kBlockedNarrow};
-    case NbvOutcome::kOutOfReach:
-      return Ending{RunStatus::kStuck, StopReason::kOutOfReach};
-    case NbvOutcome::kNoCandidates:
-    case NbvOutcome::kNoPath:
-      break;
-  }
-  return Ending{RunStatus::kStuck, StopReason::kNoCandidates};
 }
 
 /// Own criterion or a budget; nothing if the mission goes on.

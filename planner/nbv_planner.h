@@ -104,8 +104,7 @@ enum class NbvOutcome {
   kBlockedNarrow,  ///< as gain_exhausted or surface_flat, but views that promise more lie beyond ways too
                    ///< narrow
   kOutOfReach,     ///< nothing of the object was seen from within range, and no way brings the robot nearer
-  kNoCandidates,   ///< no place to go to
-  kNoPath
+  kNoCandidates    ///< no place to go to
 };
 
 struct NbvDecision {

@@ -10,7 +10,7 @@ namespace atlas::planner {
 
 /// `stops` are texts "X Y" (m, map frame: passed by) and "X Y YAW" (deg: a view), the first where the robot
 /// starts. Ways between stops are straight, and begin at the stop before, wherever the robot believes to be.
-/// After the last the first follows: a budget of scans ends the mission.
+/// After the last view the route is done, and the mission with it.
 /// @throws InputError "planner.route: ..." for fewer than two stops, a text of another form, or no view.
 std::unique_ptr<NbvPlanner> MakeRoutePlanner(const std::vector<std::string>& stops);
 

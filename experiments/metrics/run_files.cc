@@ -69,8 +69,6 @@ std::string_view NameOf(planner::NbvOutcome outcome) {
       return "out_of_reach";
     case planner::NbvOutcome::kNoCandidates:
       return "no_candidates";
-    case planner::NbvOutcome::kNoPath:
-      return "no_path";
   }
   return "";
 }
