@@ -92,9 +92,12 @@ double QuotaOfProcess(const fs::path& root) {
 
 }  // namespace
 
-int AvailableCpus(const fs::path& root) {
-  const double quota = QuotaOfProcess(root), cpus = CpusOfAffinity();
-  return std::max(1, static_cast<int>(std::min(cpus, std::ceil(quota))));
+int CpusWithinQuota(int cpus, const fs::path& root) {
+  return std::max(1, static_cast<int>(std::min<double>(cpus, std::ceil(QuotaOfProcess(root)))));
+}
+
+int AvailableCpus() {
+  return CpusWithinQuota(CpusOfAffinity(), "/");
 }
 
 }  // namespace atlas::core

@@ -36,7 +36,7 @@ rendering_libraries() { # by EGL and by OSMesa, each in a process of its own
 }
 
 programs() {
-  for name in bash awk comm flock grep sed cmake ctest ninja ccache c++ git clang-format ffmpeg; do
+  for name in bash awk comm flock grep sed cmake ctest ninja ccache c++ git clang-format ffmpeg python3; do
     (PATH=/usr/bin:/bin command -v $name) || { echo "no program $name" >&2; touch "$work/failed"; }
   done
 }
