@@ -110,11 +110,12 @@ void CoverageScorer::AddGroup(uint32_t begin, uint32_t end, bool has_outside) {
   group.axis.normalize();
   for (uint32_t i = begin; i < end; ++i) {
     group.reach_m = std::max(group.reach_m, (entries_[i].p - group.center).norm());
-    if (has_outside)
-      group.cos_spread = std::min(group.cos_spread, group.axis.dot(sides_->normals[entries_[i].index]));
+    if (!has_outside) continue;
+    const Vec3f& n = sides_->normals[entries_[i].index];
+    group.cos_spread = std::min(group.cos_spread, group.axis.dot(n));
+    group.sin_spread = std::max(group.sin_spread, group.axis.cross(n).norm());  // from the cosine: 3e-4 off
   }
   group.reach_m += kRounding;
-  group.sin_spread = std::sqrt(std::max(0.0f, 1.0f - group.cos_spread * group.cos_spread)) + kRounding;
   groups_.push_back(group);
 }
 
