@@ -83,15 +83,13 @@ std::string Decisions(const tests::TinyMissions& missions, const std::string& na
 
 TEST(TinyMission, NothingIsDecidedByTheScore) {
   const tests::TinyMissions missions;
-  const std::vector<std::string> long_run = {"mission.max_scans=12", "planner.stop_rounds=2",
-                                             "planner.flat_rounds=2"};
   std::vector<RunSummary> summaries;
   int number = 0;
   for (const std::string judged :
        {"mission.coverage_radius_m=0.043", "mission.coverage_radius_m=0.4", "mission.truth_spacing_m=0.1"}) {
-    std::vector<std::string> assignments = long_run;
-    assignments.push_back(judged);
-    summaries.push_back(missions.Run(assignments, std::to_string(number++)));
+    summaries.push_back(
+        missions.Run({"mission.max_scans=12", "planner.stop_rounds=2", "planner.flat_rounds=2", judged},
+                     std::to_string(number++)));
   }
   EXPECT_GT(summaries[1].coverage.value(), summaries[0].coverage.value() + 0.02) << "the judges differ";
   for (int other : {1, 2}) {
