@@ -59,6 +59,7 @@ void OutputParams::Visit(core::ParamVisitor& v) {
 void ExperimentConfig::Visit(core::ParamVisitor& v) {
   v.Field("experiment", &experiment,
           {.doc = "name in tables and of run folders (default: that of the file)"});
+  v.Field("seed", &seed, {.min = 0, .max = kGreatestSeed, .doc = "of all randomness (also --seed)"});
   v.Section("scene", &scene);
   v.Section("robot", &robot);
   v.Section("locomotion", &sim.locomotion);

@@ -38,8 +38,11 @@ struct OutputParams {
   void Visit(core::ParamVisitor& v);
 };
 
+inline constexpr int kGreatestSeed = 2147483647;
+
 struct ExperimentConfig {
   std::string experiment;  ///< name: the file's stem where none is set
+  int seed = 1;            ///< of all randomness
   NamedParams scene{"helicopter", "built-in scene, or path/scene.yaml"};
   NamedParams robot{"quadruped", "built-in robot, or path/robot.xml"};
   sim::SimParams sim;

@@ -10,7 +10,7 @@ namespace atlas::experiments {
 namespace {
 
 bool TellsRunsApart(const std::string& path) {
-  return path != "experiment" && !path.starts_with("output.");
+  return path != "experiment" && path != "seed" && !path.starts_with("output.");
 }
 
 void Flatten(const YAML::Node& node, const std::string& path, RunSettings* settings) {

@@ -14,7 +14,7 @@ namespace atlas::experiments {
 
 struct RunArguments {
   std::string experiment;
-  uint64_t seed = 1;
+  std::optional<uint64_t> seed;  ///< none: that of the file
   int threads = 2;
   std::vector<std::string> assignments;
   std::filesystem::path out;  ///< empty: runs/<experiment>/<seed>, numbered where that holds a run

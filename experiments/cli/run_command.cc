@@ -18,7 +18,7 @@ namespace {
 fs::path FolderFor(const RunArguments& arguments, const ExperimentConfig& config) {
   const bool numbered = arguments.out.empty();
   const fs::path wanted =
-      numbered ? fs::path("runs") / config.experiment / std::to_string(arguments.seed) : arguments.out;
+      numbered ? fs::path("runs") / config.experiment / std::to_string(config.seed) : arguments.out;
   const fs::path folder = OpenRunFolder(wanted, numbered, arguments.force);
   if (folder != wanted) {
     std::cerr << fmt::format("{} holds a run; this one goes to {}\n", wanted.string(), folder.string());
@@ -31,11 +31,12 @@ fs::path FolderFor(const RunArguments& arguments, const ExperimentConfig& config
 int RunCommand(const RunArguments& arguments) {
   std::vector<std::string> assignments = arguments.assignments;
   if (arguments.video) assignments.emplace_back("output.video=true");
+  if (arguments.seed) assignments.push_back(fmt::format("seed={}", *arguments.seed));
   const ExperimentConfig config = LoadExperiment(arguments.experiment, assignments);
 
   ProgressLine line;
   RunOptions options;
-  options.seed = arguments.seed;
+  options.seed = static_cast<uint64_t>(config.seed);
   options.threads = arguments.threads;
   options.folder = FolderFor(arguments, config);
   options.should_stop = Interrupted;

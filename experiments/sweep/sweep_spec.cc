@@ -10,6 +10,7 @@
 #include "core/files.h"
 #include "core/named_files.h"
 #include "core/safe_text.h"
+#include "experiments/experiment_config.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
@@ -93,7 +94,7 @@ std::vector<uint64_t> ReadSeeds(const SweepFile& file) {
   const YAML::Node node = file.At("seeds");
   std::vector<uint64_t> seeds;
   if (node.IsSequence()) {
-    for (const auto& item : node) seeds.push_back(file.Number<uint64_t>(item, "seeds", 0, UINT64_MAX));
+    for (const auto& item : node) seeds.push_back(file.Number<uint64_t>(item, "seeds", 0, kGreatestSeed));
     if (seeds.empty()) file.Fail(node, "seeds: the list is empty");
     if (std::set<uint64_t>(seeds.begin(), seeds.end()).size() != seeds.size())
       file.Fail(node, "seeds: a seed stands twice");
@@ -102,6 +103,11 @@ std::vector<uint64_t> ReadSeeds(const SweepFile& file) {
   const uint64_t count = file.Number<uint64_t>(node, "seeds", 1, kMostSeeds);
   for (uint64_t seed = 1; seed <= count; ++seed) seeds.push_back(seed);
   return seeds;
+}
+
+void RefuseSeed(const SweepFile& file, const YAML::Node& node, const std::string& field,
+                const std::string& key) {
+  if (key == "seed") file.Fail(node, field + ": seeds of a sweep stand under 'seeds'");
 }
 
 /// A list of "a.b=value".
@@ -113,6 +119,7 @@ std::vector<std::string> ReadAssignments(const SweepFile& file, const YAML::Node
     const size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
       file.Fail(node, fmt::format("{}: expected a.b=value, found '{}'", field, text));
+    RefuseSeed(file, node, field, text.substr(0, equals));
     text = text.substr(0, equals + 1) + core::FileBeside(beside, text.substr(equals + 1));
   }
   return list;
@@ -167,6 +174,7 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
     if (!file.At("grid").IsMap()) file.Fail(file.At("grid"), "grid: expected parameter: [values]");
     for (const auto& entry : file.At("grid")) {
       const std::string key = file.Text(entry.first, "grid");
+      RefuseSeed(file, entry.first, "grid", key);
       spec.grid.emplace_back(key, file.TextList(entry.second, "grid." + key));
       for (std::string& value : spec.grid.back().second) value = core::FileBeside(beside, value);
     }

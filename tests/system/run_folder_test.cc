@@ -38,7 +38,7 @@ class WholeRunFolder : public CommandLine {
 
 TEST_F(WholeRunFolder, MovedWithoutItsOriginalsItRendersAndRunsAgainToTheSameBytes) {
   WriteOriginals();
-  ExpectSuccess("run mine/exp/walk.yaml --out first");
+  ExpectSuccess("run mine/exp/walk.yaml --seed 4 --out first");
   const std::string steps = ReadFile(dir_ / "first/steps.csv"), cloud = ReadFile(dir_ / "first/cloud.ply");
   EXPECT_NE(steps.find("\n1,"), std::string::npos);
   fs::create_directories(dir_ / "elsewhere");
@@ -47,10 +47,10 @@ TEST_F(WholeRunFolder, MovedWithoutItsOriginalsItRendersAndRunsAgainToTheSameByt
 
   ExpectSuccess("render elsewhere/kept --still --size 64x48 --out picture.png");
   EXPECT_TRUE(fs::exists(dir_ / "picture.png"));
-  ExpectSuccess("run elsewhere/kept/config.yaml", "runs/walk/1");
-  EXPECT_EQ(ReadFile(dir_ / "runs/walk/1/steps.csv"), steps);
-  EXPECT_EQ(ReadFile(dir_ / "runs/walk/1/cloud.ply"), cloud);
-  EXPECT_EQ(ReadFile(dir_ / "runs/walk/1/config.yaml"), ReadFile(dir_ / "elsewhere/kept/config.yaml"));
+  ExpectSuccess("run elsewhere/kept/config.yaml", "runs/walk/4");
+  EXPECT_EQ(ReadFile(dir_ / "runs/walk/4/steps.csv"), steps);
+  EXPECT_EQ(ReadFile(dir_ / "runs/walk/4/cloud.ply"), cloud);
+  EXPECT_EQ(ReadFile(dir_ / "runs/walk/4/config.yaml"), ReadFile(dir_ / "elsewhere/kept/config.yaml"));
 
   ExpectSuccess("report runs elsewhere --out tables", "left out, same configuration and seed as another");
   ExpectRefusal("run elsewhere/kept/config.yaml --out elsewhere/kept", {"elsewhere/kept", "--force"});

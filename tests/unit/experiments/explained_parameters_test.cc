@@ -47,7 +47,7 @@ class ExplainedParameters : public testing::Test {
 
   std::string Run(const ExperimentConfig& config) const {
     RunOptions options;
-    options.seed = 3;
+    options.seed = static_cast<uint64_t>(config.seed);
     options.folder = missions_.folder() / "run";
     RunClosedLoop(config, options);
     const std::string remains = Remains(options.folder);
@@ -92,7 +92,7 @@ TEST_F(ExplainedParameters, NamesAct) {
   std::vector<std::string> short_mission = kMission;
   short_mission.emplace_back("mission.max_scans=1");
   const std::string folder = missions_.folder().string() + "/";
-  EXPECT_EQ(probe_.SeeThemAct("", short_mission, {{"experiment", {{}, "another"}}}), 1);
+  EXPECT_EQ(probe_.SeeThemAct("", short_mission, {{"experiment", {{}, "another"}}, {"seed", {{}, "4"}}}), 2);
   EXPECT_EQ(probe_.SeeThemAct("scene", short_mission, {{"scene.name", {{}, folder + "lower.yaml"}}}), 1);
   EXPECT_EQ(probe_.SeeThemAct("robot", short_mission, {{"robot.name", {{}, folder + "taller.xml"}}}), 1);
 }

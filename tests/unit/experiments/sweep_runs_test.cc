@@ -178,6 +178,10 @@ TEST_F(SweepTest, BadFilesAreNamedByFileLineFieldAndValue) {
   EXPECT_NE(ErrorOf("experiments: [car]\nseeds: [1, 1]\n").find("twice"), std::string::npos);
   EXPECT_NE(ErrorOf("experiments: [car]\nseeds: 1\ngrid: [a]\n").find("spec.yaml:3: grid"),
             std::string::npos);
+  for (const char* place : {"set: [seed=3]", "grid: {seed: [3, 4]}", "variants: {a: [seed=3]}"}) {
+    EXPECT_NE(ErrorOf(std::string("experiments: [car]\nseeds: 1\n") + place).find("stand under 'seeds'"),
+              std::string::npos);
+  }
   EXPECT_NE(ErrorOf("experiments: [car]\nseeds: 1\nset: [max]\n").find("set: expected a.b=value"),
             std::string::npos);
   EXPECT_NE(ErrorOf("experiments: [car\nseeds: 1\n").find("spec.yaml:"), std::string::npos);
