@@ -14,7 +14,7 @@ namespace {
 
 using boost::property_tree::ptree;
 
-ptree Parse(const std::filesystem::path& file) {
+ptree ParseMjcf(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) {
     throw core::InputError(fmt::format("{}: no such robot file", file.string()));
   }
@@ -69,7 +69,7 @@ core::Pose SitePose(const ptree& base, const std::string& site, const std::strin
 }  // namespace
 
 void ReadMounts(RobotSpec* spec) {
-  const ptree tree = Parse(spec->mjcf);
+  const ptree tree = ParseMjcf(spec->mjcf);
   const std::string file = spec->mjcf.string();
   const ptree* base = FindBody(tree, "base");
   if (base == nullptr) throw core::InputError(file + ": no body 'base'");

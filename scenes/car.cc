@@ -12,10 +12,6 @@ using core::Vec3;
 
 constexpr double kAxle_m = 1.36, kWheelRadius_m = 0.32, kArchRadius_m = 0.385, kSill_m = 0.22;
 
-Paint Object(const std::string& name, Label label) {
-  return {name, label, true};
-}
-
 /// The side view (x, z) below the windows, wheel arches cut out.
 std::vector<Vec2> BodyOutline() {
   std::vector<Vec2> outline = {{-2.22, 0.36}, {-2.1, 0.26}};

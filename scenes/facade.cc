@@ -19,10 +19,6 @@ constexpr double kSill_m = 0.9, kWindowTop_m = 2.6, kWindowWidth_m = 1.3, kDoorT
                  kDoorWidth_m = 1.2;
 constexpr double kBay_m = 3.5;  ///< ten bays between pilasters
 
-Paint Object(const std::string& name, Label label) {
-  return {name, label, true};
-}
-
 bool IsDoorBay(int bay) {
   return bay == 1 || bay == 5 || bay == 8;
 }

@@ -15,10 +15,6 @@ using core::Radians;
 using core::Vec2;
 using core::Vec3;
 
-Paint Object(const std::string& name, Label label) {
-  return {name, label, true};
-}
-
 /// A cross-section of the fuselage at x: half width, bottom and top.
 struct Station {
   double x, half_width, bottom, top;

@@ -15,10 +15,6 @@ constexpr double kBack_m = -3.8, kFront_m = 2.0, kHalfLength_m = 4.8, kEaves_m =
 constexpr double kRidge_x_m = 0.5 * (kBack_m + kFront_m), kSlope = 0.84;
 constexpr double kPorchFloor_m = 0.34, kPorchFront_m = 3.8, kPorchHalfWidth_m = 2.4;
 
-Paint Object(const std::string& name, Label label) {
-  return {name, label, true};
-}
-
 double RoofUnderside(double x) {
   return kEaves_m + kSlope * (0.5 * (kFront_m - kBack_m) - std::abs(x - kRidge_x_m));
 }

@@ -12,7 +12,7 @@
 namespace atlas::experiments {
 namespace {
 
-void CheckArguments(int argc, char** argv) {
+void CheckTextOfArguments(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) core::RefuseControlCharacters(argv[i], fmt::format("argument {}", i));
 }
 
@@ -28,7 +28,7 @@ int FinishOutput(int code) {
 int RunProcess(int argc, char** argv, const std::function<int()>& command) {
   TakeFileSizeLimitsAsErrors();
   try {
-    CheckArguments(argc, argv);
+    CheckTextOfArguments(argc, argv);
     return FinishOutput(command());
   } catch (const core::InputError& error) {
     std::cerr << "\natlas: " << error.what() << "\n";

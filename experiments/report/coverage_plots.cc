@@ -10,10 +10,10 @@
 namespace atlas::experiments {
 namespace {
 
-using Column = std::vector<double> CoverageCurve::*;
+using Along = std::vector<double> CoverageCurve::*;
 
 /// The curve's last value at or before x; NaN before the first scan.
-double ValueAt(const CoverageCurve& curve, Column along, double x, double scale) {
+double ValueAt(const CoverageCurve& curve, Along along, double x, double scale) {
   const std::vector<double>& xs = curve.*along;
   const auto after = std::upper_bound(xs.begin(), xs.end(), x / scale + 1e-9);
   if (after == xs.begin()) return std::numeric_limits<double>::quiet_NaN();
@@ -21,7 +21,7 @@ double ValueAt(const CoverageCurve& curve, Column along, double x, double scale)
 }
 
 /// Mean and spread of the runs' curves at each of `grid`.
-PlotSeries MeanSeries(const std::string& label, const std::vector<const CoverageCurve*>& curves, Column along,
+PlotSeries MeanSeries(const std::string& label, const std::vector<const CoverageCurve*>& curves, Along along,
                       const std::vector<double>& grid, double scale) {
   PlotSeries series{.label = label};
   for (const double x : grid) {

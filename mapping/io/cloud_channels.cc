@@ -13,7 +13,7 @@ using core::InputError;
 using core::ReturnKind;
 using core::Vec3f;
 
-constexpr double kFarthest_m = 1e5;
+constexpr double kFarthestPoint_m = 1e5;
 /// A scan lasts less than this, and begins less than this from its stamp.
 constexpr double kLongestScan_s = 2.0;
 
@@ -140,9 +140,9 @@ RecordedCloud FinishCloud(RawCloud raw, int rows, int columns, bool organised, c
     Vec3f& p = cloud.p_lidar[i];
     if (!p.allFinite() || p.isZero(0.0f)) {
       p.setConstant(std::numeric_limits<float>::quiet_NaN());
-    } else if (p.cast<double>().norm() > kFarthest_m) {
+    } else if (p.cast<double>().norm() > kFarthestPoint_m) {
       throw InputError(fmt::format("{}: point {}: {:g} m from the sensor (limit {:g} m)", file, i,
-                                   p.cast<double>().norm(), kFarthest_m));
+                                   p.cast<double>().norm(), kFarthestPoint_m));
     }
   }
   SetTimes(raw, &cloud, file);

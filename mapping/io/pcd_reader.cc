@@ -26,7 +26,7 @@ struct Field {
   uint64_t bytes() const { return size_bytes * count; }
 };
 
-struct Header {
+struct PcdLayout {
   std::vector<Field> fields;
   uint64_t width = 0, height = 1, points = 0;
   std::vector<double> viewpoint = {0, 0, 0, 1, 0, 0, 0};
@@ -38,7 +38,7 @@ class HeaderParser {
  public:
   HeaderParser(std::string_view bytes, const std::string& file) : lines_(bytes), file_(file) {}
 
-  Header Parse() {
+  PcdLayout Parse() {
     bool has_points = false, has_width = false;
     while (header_.data.empty()) {
       const auto line = lines_.Next();
@@ -146,7 +146,7 @@ class HeaderParser {
   core::TextLines lines_;
   const std::string& file_;
   std::vector<std::string_view> words_;
-  Header header_;
+  PcdLayout header_;
 };
 
 /// The first value of a field, at `reader`; 64-bit counts lose their lowest bits.
@@ -166,14 +166,14 @@ double Number(const Field& field, core::ByteReader& reader) {
   }
 }
 
-uint64_t RecordBytes(const Header& header) {
+uint64_t RecordBytes(const PcdLayout& header) {
   uint64_t bytes = 0;
   for (const Field& field : header.fields) bytes += field.bytes();
   return bytes;
 }
 
 /// Where each value of a field stands: records one after another, or all values of a field together.
-void ReadBinary(const Header& header, std::string_view data, const std::string& file, bool by_columns,
+void ReadBinary(const PcdLayout& header, std::string_view data, const std::string& file, bool by_columns,
                 RawCloud* raw) {
   const uint64_t record = RecordBytes(header);
   uint64_t before = 0;
@@ -188,7 +188,7 @@ void ReadBinary(const Header& header, std::string_view data, const std::string& 
   }
 }
 
-void ReadAscii(const Header& header, std::string_view data, const std::string& file, RawCloud* raw) {
+void ReadAscii(const PcdLayout& header, std::string_view data, const std::string& file, RawCloud* raw) {
   core::TextLines lines(data);
   for (uint64_t i = 0; i < header.points;) {
     const auto line = lines.Next();
@@ -212,7 +212,7 @@ void ReadAscii(const Header& header, std::string_view data, const std::string& f
   }
 }
 
-void ReadPoints(const Header& header, std::string_view bytes, const std::string& file, RawCloud* raw) {
+void ReadPoints(const PcdLayout& header, std::string_view bytes, const std::string& file, RawCloud* raw) {
   bool has[kChannels] = {};
   for (const Field& field : header.fields) {
     if (!field.channel) continue;
@@ -249,7 +249,7 @@ void ReadPoints(const Header& header, std::string_view bytes, const std::string&
   }
 }
 
-core::Pose Viewpoint(const Header& header, const std::string& file) {
+core::Pose Viewpoint(const PcdLayout& header, const std::string& file) {
   const auto& v = header.viewpoint;
   const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
   if (std::abs(q.norm() - 1.0) > 0.01)
@@ -260,7 +260,7 @@ core::Pose Viewpoint(const Header& header, const std::string& file) {
 }  // namespace
 
 RecordedCloud ParsePcd(std::string_view bytes, const std::string& file) {
-  const Header header = HeaderParser(bytes, file).Parse();
+  const PcdLayout header = HeaderParser(bytes, file).Parse();
   RawCloud raw;
   ReadPoints(header, bytes, file, &raw);
   const bool organised = header.height > 1;

@@ -18,7 +18,7 @@ constexpr size_t kPointBytes = 4 + 3 * 8;
 constexpr size_t kPoseBytes = kPointBytes + 4 + 4 * 8;
 constexpr size_t kLeastNodeBytes = 4 + kPoseBytes + 4;
 constexpr size_t kEdgeBytes = 4 + 4 + kPoseBytes + 8;
-constexpr double kFarthest_m = 1e7;
+constexpr double kFarthestNode_m = 1e7;
 
 Vec3 ReadVector(core::ByteReader* reader) {
   if (const auto length = reader->Next<int32_t>(); length != 3)
@@ -28,8 +28,8 @@ Vec3 ReadVector(core::ByteReader* reader) {
 }
 
 Pose CheckedPose(const core::ByteReader& reader, const Vec3& t, const Eigen::Quaterniond& q) {
-  if (!(t.norm() < kFarthest_m))
-    reader.Fail(fmt::format("a scan at {:g} m from the origin (limit {:g})", t.norm(), kFarthest_m));
+  if (!(t.norm() < kFarthestNode_m))
+    reader.Fail(fmt::format("a scan at {:g} m from the origin (limit {:g})", t.norm(), kFarthestNode_m));
   if (!(std::abs(q.norm() - 1.0) < 0.01))
     reader.Fail(fmt::format("a pose whose quaternion has length {:g} (1 within 0.01)", q.norm()));
   return core::MakePose(q.normalized().toRotationMatrix(), t);

@@ -9,7 +9,8 @@ namespace {
 using core::Vec2;
 
 constexpr double kCell_m = 0.05;
-constexpr int kHeadings = 24;  ///< over half a turn: a footprint fits forwards where it fits backwards
+constexpr int kHalfTurnHeadings =
+    24;  ///< over half a turn: a footprint fits forwards where it fits backwards
 constexpr double kCheckSpacing_m = 0.10;
 constexpr double kEscape_m = 0.45;
 constexpr double kInnerDisc_m = 0.35;
@@ -25,7 +26,7 @@ Walkable::Walkable(const TraversableGround& ground, const Vec2& start, double wi
   rows_ = std::max(1, static_cast<int>(std::ceil(window_.Size().y() / kCell_m)));
   const auto cells = static_cast<size_t>(cols_) * static_cast<size_t>(rows_);
   circle_.assign(cells, 0);
-  footprint_.assign(cells * kHeadings, 0);
+  footprint_.assign(cells * kHalfTurnHeadings, 0);
   start_blocked_ = !ground.CircleFree(start);
 }
 
@@ -58,7 +59,7 @@ bool Walkable::CanStand(const Vec2& p_map) const {
 bool Walkable::FootprintFree(const Vec2& p_map, double yaw_rad, int heading) const {
   const long cell = CellOf(p_map);
   if (cell < 0) return false;
-  int8_t& known = footprint_[static_cast<size_t>(cell) * kHeadings + static_cast<size_t>(heading)];
+  int8_t& known = footprint_[static_cast<size_t>(cell) * kHalfTurnHeadings + static_cast<size_t>(heading)];
   if (known == 0) known = ground_.FootprintFree(p_map, yaw_rad) ? 1 : -1;
   return known > 0 || InEscape(p_map);
 }
@@ -69,8 +70,8 @@ bool Walkable::CanStep(const Vec2& a, const Vec2& b) const {
   if (length < 1e-9) return true;
   const double yaw = std::atan2(step.y(), step.x());
   const double half_turns = yaw / core::kPi - std::floor(yaw / core::kPi);
-  const int heading = static_cast<int>(std::lround(half_turns * kHeadings)) % kHeadings;
-  const double snapped_yaw = heading * core::kPi / kHeadings;
+  const int heading = static_cast<int>(std::lround(half_turns * kHalfTurnHeadings)) % kHalfTurnHeadings;
+  const double snapped_yaw = heading * core::kPi / kHalfTurnHeadings;
   const int checks = std::max(1, static_cast<int>(std::ceil(length / kCheckSpacing_m)));
   for (int i = 0; i <= checks; ++i) {
     if (!FootprintFree(a + step * (static_cast<double>(i) / checks), snapped_yaw, heading)) return false;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kMinCrossings = 3;    ///< fewer may be noise at a rim
 constexpr int kManyCrossings = 30;  ///< in 5 x 5 cells: bars that stop one ray in four would have shown
-constexpr int kRaysPerReturn =
+constexpr int kRaysPerGroundReturn =
     10;  ///< of the rays that meet a cell of a grating, at most, for one that its bars stop
 constexpr float kSmoothGate_m = 0.04f;  ///< neighbours less apart are averaged; a kerb keeps its edge
 constexpr int kRelaxations = 2;         ///< of interpolated heights; most gaps are a cell or two wide
@@ -36,7 +36,7 @@ Mask MeasuredGround(const GroundImage& ground) {
   const uint16_t* const support = ground.support.data();
   const uint16_t* const crossings = ground.crossings.data();
   for (size_t i = 0; i < count; ++i) {
-    out[i] = (kind[i] == CellKind::kGround) & (support[i] * kRaysPerReturn >= crossings[i]);
+    out[i] = (kind[i] == CellKind::kGround) & (support[i] * kRaysPerGroundReturn >= crossings[i]);
   }
   // A few returns amid many crossings are no grating: a handrail that goes down a stairwell.
   Mask kept(measured);

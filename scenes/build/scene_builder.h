@@ -20,6 +20,11 @@ struct Paint {
   double ray_transmission = 0.0;
 };
 
+/// Paint of what is to be mapped.
+inline Paint Object(const std::string& name, core::Label label) {
+  return {name, label, true};
+}
+
 enum class Physics { kSolid, kNone };
 
 class SceneBuilder {

@@ -56,7 +56,7 @@ double GainOf(Gain* gain, const std::vector<RandomRay>& rays) {
   return gain->FinishView();
 }
 
-class GainLaw : public testing::TestWithParam<std::string> {
+class GainLaw : public ::testing::TestWithParam<std::string> {
  protected:
   const GainEntry& entry() const { return FindGain(GetParam()); }
 };
@@ -163,13 +163,13 @@ TEST_P(GainLaw, HasADocLine) {
   EXPECT_GT(entry().doc.size(), 20u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, GainLaw, testing::ValuesIn(GainNames()));
+INSTANTIATE_TEST_SUITE_P(Catalogue, GainLaw, ::testing::ValuesIn(GainNames()));
 INSTANTIATE_TEST_SUITE_P(Declared, ZeroOnCertainRaysLaw,
-                         testing::ValuesIn(Declaring(&GainLaws::zero_on_certain_rays)));
+                         ::testing::ValuesIn(Declaring(&GainLaws::zero_on_certain_rays)));
 INSTANTIATE_TEST_SUITE_P(Declared, AtMostOcclusionAwareLaw,
-                         testing::ValuesIn(Declaring(&GainLaws::at_most_occlusion_aware)));
+                         ::testing::ValuesIn(Declaring(&GainLaws::at_most_occlusion_aware)));
 INSTANTIATE_TEST_SUITE_P(Declared, IndependentOfVoxelSizeLaw,
-                         testing::ValuesIn(Declaring(&GainLaws::independent_of_voxel_size)));
+                         ::testing::ValuesIn(Declaring(&GainLaws::independent_of_voxel_size)));
 
 }  // namespace
 }  // namespace atlas::planner

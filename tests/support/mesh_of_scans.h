@@ -57,7 +57,7 @@ void ExpectAccurateMesh(const Shot& shot, const core::LidarModel& lidar, double 
   ASSERT_GT(mesh.triangles.size(), 1000u);
   const MeshError error = ErrorOf(mesh, shot.shape);
   EXPECT_LT(error.mean_m, 0.2 * resolution_m) << Field::kName << " at " << resolution_m;
-  testing::Test::RecordProperty(
+  ::testing::Test::RecordProperty(
       std::string(Field::kName) + "_" + std::to_string(std::lround(1e3 * resolution_m)) + "mm_mean_voxels",
       std::to_string(error.mean_m / resolution_m));
   const MeshFaults faults = FindFaults(ExtractMesh(map, {.undo_shift = false}), map);

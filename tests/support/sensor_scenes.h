@@ -8,6 +8,11 @@
 
 namespace atlas::sim::testing {
 
+/// Unrotated.
+inline core::Pose At(double x, double y, double z) {
+  return core::MakePose(core::Mat3::Identity(), core::Vec3(x, y, z));
+}
+
 inline core::TriMesh BoxMesh(const core::Vec3& half_size,
                              const core::Pose& T_map_box = core::Pose::Identity()) {
   core::TriMesh mesh;

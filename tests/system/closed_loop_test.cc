@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ClosedLoop : public testing::TestWithParam<std::string> {
+class ClosedLoop : public ::testing::TestWithParam<std::string> {
  protected:
   void TearDown() override { fs::remove_all(dir_); }
 
@@ -53,8 +53,8 @@ TEST_P(ClosedLoop, ThreeScansRaiseCoverageWithoutHarm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ClosedLoop,
-                         testing::Values("helicopter", "helicopter_grating", "facade", "facade_grass", "car",
-                                         "house"),
+                         ::testing::Values("helicopter", "helicopter_grating", "facade", "facade_grass",
+                                           "car", "house"),
                          [](const auto& info) { return info.param; });
 
 using Determinism = ClosedLoop;

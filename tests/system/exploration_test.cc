@@ -27,7 +27,7 @@ parts:
   - {primitive: box, size: [0.4, 0.4, 2.0], pose: {xyz: [0.7, 0.5, 1.0]}, name: pillar}
 )yaml";
 
-class Exploration : public testing::TestWithParam<std::string> {
+class Exploration : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override { core::WriteFileAtomically(dir_ / "room.yaml", kRoom); }
   void TearDown() override { fs::remove_all(dir_); }
@@ -58,7 +58,7 @@ TEST_P(Exploration, IsScoredAndPlannedOnTwoThreadsAsOnOne) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Mappers, Exploration, testing::Values("se_atlas", "octomap", "dense_grid"));
+INSTANTIATE_TEST_SUITE_P(Mappers, Exploration, ::testing::Values("se_atlas", "octomap", "dense_grid"));
 
 }  // namespace
 }  // namespace atlas::experiments

@@ -34,7 +34,7 @@ struct OuterParams {
   }
 };
 
-class ParamFiles : public testing::Test {
+class ParamFiles : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(dir_); }
   void TearDown() override { fs::remove_all(dir_); }

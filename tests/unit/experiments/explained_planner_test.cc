@@ -102,7 +102,7 @@ std::string PlannerDecides(const ExperimentConfig& config) {
   return told.text();
 }
 
-class ExplainedPlanner : public testing::Test {
+class ExplainedPlanner : public ::testing::Test {
  protected:
   tests::TinyMissions missions_;
   tests::ParameterProbe probe_{

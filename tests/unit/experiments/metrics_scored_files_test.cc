@@ -54,7 +54,7 @@ struct Seen {
   std::vector<uint8_t> attainable;
 };
 
-class ScoredFiles : public testing::Test {
+class ScoredFiles : public ::testing::Test {
  protected:
   ScoredFiles() : folder_(std::filesystem::temp_directory_path() / "atlas_scored_files") {
     std::filesystem::remove_all(folder_);

@@ -37,7 +37,7 @@ class SilentMapper : public mapping::Mapper {
   std::string Save(const fs::path&) const override { return {}; }
 };
 
-class MissionMetricsTest : public testing::Test {
+class MissionMetricsTest : public ::testing::Test {
  protected:
   MissionMetricsTest() {
     core::WriteFileAtomically(folder_ / "block.yaml", kBlockScene);

@@ -20,9 +20,10 @@ using core::Vec3;
 /// A room whose inner faces are x = +-5, y = +-4, z = 0 and z = 3, and a way of 4 m through it.
 constexpr double kHalfX_m = 5.0, kHalfY_m = 4.0, kHeight_m = 3.0;
 
-class RecordTest : public testing::Test {
+class RecordTest : public ::testing::Test {
  protected:
-  RecordTest() : folder_(std::filesystem::path(testing::TempDir()) / ("record_" + std::to_string(getpid()))) {
+  RecordTest()
+      : folder_(std::filesystem::path(::testing::TempDir()) / ("record_" + std::to_string(getpid()))) {
     std::string scene =
         "spawn: {x: 0, y: 0}\nground: {size: [12, 12]}\nobject_box: {min: [-5, -4, 0], max: [5, 4, "
         "3]}\nparts:\n";

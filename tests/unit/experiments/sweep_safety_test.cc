@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 // Stands in for `atlas`: notes its arguments, one a line, leaves a summary of the status that the
 // experiment's name begins with, and ends as the rest of the name says.
-constexpr const char* kFakeAtlas = R"sh(#!/bin/bash
+constexpr const char* kObedientAtlas = R"sh(#!/bin/bash
 experiment=$2
 args=("$@")
 while [ $# -gt 1 ]; do [ "$1" = --out ] && out=$2; shift; done
@@ -48,7 +48,7 @@ class SweepSafety : public ::testing::Test {
     root_ = fs::temp_directory_path() / ("atlas_sweep_safety_" + std::to_string(getpid()) + "_" +
                                          ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(root_);
-    core::WriteFileAtomically(root_ / "atlas", kFakeAtlas);
+    core::WriteFileAtomically(root_ / "atlas", kObedientAtlas);
     chmod((root_ / "atlas").c_str(), 0755);
     options_.identify = [](const std::string&, const std::vector<std::string>&) { return RunIdentity(); };
     options_.executable = root_ / "atlas";

@@ -22,7 +22,7 @@ tests::AnalyticWorld Yard() {
   return world;
 }
 
-class FillKernels : public testing::Test {
+class FillKernels : public ::testing::Test {
  protected:
   static constexpr double kResolution = 0.13;
   /// First order is good to this, in voxels; rounding comes on top.

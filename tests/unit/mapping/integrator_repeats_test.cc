@@ -8,7 +8,7 @@ namespace atlas::mapping {
 namespace {
 
 template <typename Field>
-class IntegratorRepeats : public testing::Test {
+class IntegratorRepeats : public ::testing::Test {
  public:
   void TearDown() override { LimitSimd(""); }
 
@@ -20,7 +20,7 @@ class IntegratorRepeats : public testing::Test {
   core::Rng noise_{5};
   std::vector<core::SpinEvent> spins_ = tests::WalkThrough(tests::FurnishedRoom(), lidar_, 3, &noise_);
 };
-using Fields = testing::Types<OccupancyField, TsdfField>;
+using Fields = ::testing::Types<OccupancyField, TsdfField>;
 TYPED_TEST_SUITE(IntegratorRepeats, Fields);
 
 TYPED_TEST(IntegratorRepeats, SameMapOnEverySimdTarget) {

@@ -56,7 +56,7 @@ Octree<Field> RandomMap(uint64_t seed, const std::vector<NodeKey>& chunks) {
 
 const std::vector<NodeKey> kChunks = {{0, 0, 0}, {-1, 0, 0}, {3, -2, 1}, {-5, -5, -5}, {0, 0, -1}};
 
-class MapFile : public testing::Test {
+class MapFile : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(dir_); }
   void TearDown() override { fs::remove_all(dir_); }
@@ -106,7 +106,7 @@ void ExpectSameVoxels(const Octree<Field>& a, const Octree<Field>& b) {
 
 template <typename Field>
 class MapFileOf : public MapFile {};
-using Fields = testing::Types<OccupancyField, TsdfField>;
+using Fields = ::testing::Types<OccupancyField, TsdfField>;
 TYPED_TEST_SUITE(MapFileOf, Fields);
 
 TYPED_TEST(MapFileOf, WhatIsReadEqualsWhatWasWrittenVoxelByVoxel) {

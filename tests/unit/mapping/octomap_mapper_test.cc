@@ -351,7 +351,7 @@ TEST(OctomapMapper, DistanceToOccupiedMatchesBruteForce) {
 }
 
 /// Every mapper of the catalogue.
-class EachMapper : public testing::TestWithParam<std::string> {
+class EachMapper : public ::testing::TestWithParam<std::string> {
  protected:
   std::unique_ptr<Mapper> Make() const {
     MapperParams params;
@@ -380,7 +380,7 @@ TEST_P(EachMapper, ViewIsWholeWhicheverThreadAsksFirst) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EachMapper, testing::Values("octomap", "dense_grid", "se_atlas"));
+INSTANTIATE_TEST_SUITE_P(Catalogue, EachMapper, ::testing::Values("octomap", "dense_grid", "se_atlas"));
 
 TEST(Mapper, RegionTooLargeForTheResolutionIsRefused) {
   MapperParams params = OctomapParams();

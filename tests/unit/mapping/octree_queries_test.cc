@@ -15,13 +15,13 @@ using tests::VoxelMap;
 constexpr double kRes = 0.05;
 
 template <typename Field>
-class QueriesOf : public testing::Test {
+class QueriesOf : public ::testing::Test {
  protected:
   void SetUp() override { FillAtRandom(11, 64, &tree_, &voxels_); }
   Octree<Field> tree_{kRes};
   VoxelMap<Field> voxels_;
 };
-using Fields = testing::Types<OccupancyField, TsdfField>;
+using Fields = ::testing::Types<OccupancyField, TsdfField>;
 TYPED_TEST_SUITE(QueriesOf, Fields);
 
 Vec3 DrawPoint(core::Rng* rng, double reach) {

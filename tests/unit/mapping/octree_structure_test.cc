@@ -12,8 +12,8 @@ using tests::ValueIn;
 using tests::VoxelMap;
 
 template <typename Field>
-class OctreeOf : public testing::Test {};
-using Fields = testing::Types<OccupancyField, TsdfField>;
+class OctreeOf : public ::testing::Test {};
+using Fields = ::testing::Types<OccupancyField, TsdfField>;
 TYPED_TEST_SUITE(OctreeOf, Fields);
 
 TEST(Morton, CodesRoundTripAndOrderBlocksByParent) {

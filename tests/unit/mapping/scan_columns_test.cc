@@ -10,7 +10,7 @@ namespace {
 using core::Vec3;
 using Field = OccupancyField;
 
-class ScanColumns : public testing::Test {
+class ScanColumns : public ::testing::Test {
  protected:
   ScanColumns() { PrepareImage(grid_, &image_); }
 

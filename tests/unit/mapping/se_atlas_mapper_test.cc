@@ -14,7 +14,7 @@ using core::Vec3;
 using core::Vec3f;
 
 const core::Box3 kRoom{Vec3(-2.0, -2.0, 0.0), Vec3(2.0, 2.0, 2.4)};
-const core::Box3 kBox{Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)};
+const core::Box3 kMapBox{Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)};
 
 /// A VLP-16 that rolls from +40 to -40 degrees and back in a room: ranges in closed form, each ray from where
 /// the sensor is at its own time.
@@ -58,7 +58,7 @@ core::Sweep RollingSweep(int spins) {
 std::unique_ptr<Mapper> Make(const std::string& name) {
   MapperParams params;
   params.name = name;
-  return MakeMapper(params, kBox, core::FindLidarModel("vlp16"));
+  return MakeMapper(params, kMapBox, core::FindLidarModel("vlp16"));
 }
 
 struct Counts {

@@ -72,7 +72,7 @@ struct Begun {
   NbvDecision first;
 };
 
-class EachPlanner : public testing::TestWithParam<std::string> {};
+class EachPlanner : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EachPlanner, ChoosesTheBestUtilityAndKeepsWhatDecided) {
   const auto map = NearSideMapped();
@@ -134,7 +134,7 @@ TEST_P(EachPlanner, NoGroundToStandOnIsATurnThenNoCandidatesAndNeverComplete) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EachPlanner, testing::Values("thesis", "greedy"));
+INSTANTIATE_TEST_SUITE_P(Catalogue, EachPlanner, ::testing::Values("thesis", "greedy"));
 
 TEST(NbvPlanner, SweepsThatBringNothingEndAGreedyMission) {
   const auto map = NearSideMapped();

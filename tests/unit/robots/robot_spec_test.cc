@@ -12,7 +12,7 @@ namespace {
 
 using core::Vec3;
 
-class RobotFile : public testing::Test {
+class RobotFile : public ::testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
 

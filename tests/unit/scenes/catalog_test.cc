@@ -12,7 +12,7 @@ namespace {
 
 using core::Vec3;
 
-class EveryScene : public testing::TestWithParam<std::string> {
+class EveryScene : public ::testing::TestWithParam<std::string> {
  protected:
   SceneSpec scene_ = LoadScene(GetParam());
 };
@@ -110,7 +110,7 @@ TEST_P(EveryScene, BoxShapesFillExactlyWhatRaysSee) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalog, EveryScene, testing::ValuesIn([] {
+INSTANTIATE_TEST_SUITE_P(Catalog, EveryScene, ::testing::ValuesIn([] {
                            std::vector<std::string> names;
                            for (const CatalogEntry& entry : Catalog()) names.push_back(entry.name);
                            return names;

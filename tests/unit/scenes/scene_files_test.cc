@@ -12,7 +12,7 @@ namespace atlas::scenes {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr const char* kHead =
+constexpr const char* kSceneHead =
     "# a comment\nspawn: {x: -4, y: 0}\nobject_box: {min: [-1, -1, 0.05], max: [1, 1, 2]}\nparts:\n";
 constexpr const char* kTetrahedron =
     "v 0 0 0.1\nv 1 0 0.1\nv 0 1 0.1\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -24,7 +24,7 @@ class SceneFiles : public ::testing::Test {
     Write("meshes/one/body.obj", kTetrahedron);
     Write("meshes/two/body.obj", std::string(kTetrahedron) + "v 0.1 0.1 1.5\nf 2 3 5\n");
     Write("scenes/mine.yaml",
-          std::string(kHead) +
+          std::string(kSceneHead) +
               "  - {mesh: ../meshes/one/body.obj}\n  - {mesh: " + (root_ / "meshes/two/body.obj").string() +
               ", scale: 0.5}\n  - {primitive: box, size: [1, 1, 1], pose: {xyz: [0, 0, 1]}}\n");
   }

@@ -51,7 +51,7 @@ void ExpectNoneMissed(const SceneSpec& scene, const std::vector<tests::Triangle>
   EXPECT_LE(missed, std::max(1.0, 1e-3 * static_cast<double>(samples.size())));
 }
 
-class TruthOfEveryScene : public testing::TestWithParam<std::string> {};
+class TruthOfEveryScene : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(TruthOfEveryScene, LiesOnTheMeshWithinATenthOfAMillimetre) {
   const Sampled& s = SampledScene(GetParam());
@@ -65,7 +65,7 @@ TEST_P(TruthOfEveryScene, HasAPointWithinTheSpacingOfEveryExposedSurface) {
   ExpectNoneMissed(s.scene, s.object, s.truth, s.spacing_m, draws);
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalog, TruthOfEveryScene, testing::ValuesIn([] {
+INSTANTIATE_TEST_SUITE_P(Catalog, TruthOfEveryScene, ::testing::ValuesIn([] {
                            std::vector<std::string> names;
                            for (const CatalogEntry& entry : Catalog()) names.push_back(entry.name);
                            return names;

@@ -12,14 +12,10 @@ namespace {
 
 using namespace testing;  // NOLINT
 
-DepthCameraModel Exact() {
+DepthCameraModel ExactCamera() {
   DepthCameraModel model;
   model.sigma_per_m2 = 0.0;
   return model;
-}
-
-core::Pose At(double x, double y, double z) {
-  return core::MakePose(core::Mat3::Identity(), core::Vec3(x, y, z));
 }
 
 /// Camera at `p`, looking along +x of the map, pitched down.
@@ -48,7 +44,7 @@ scenes::SceneSpec KerbAndSteps() {
 
 TEST(DepthCameraTest, DepthEqualsRaysThroughPixelCentres) {
   const scenes::SceneSpec scene = KerbAndSteps();
-  DepthCamera camera(scene, Exact(), core::Rng(1));
+  DepthCamera camera(scene, ExactCamera(), core::Rng(1));
   ASSERT_TRUE(camera.available()) << camera.why_unavailable();
   const Raycaster raycaster(scene);
   core::Rng rng(1);
@@ -87,7 +83,7 @@ TEST(DepthCameraTest, DepthEqualsRaysThroughPixelCentres) {
 }
 
 TEST(DepthCameraTest, NothingIsMeasuredTooNearTooFarOrInTheSky) {
-  DepthCamera camera(Scene({Part(BoxMesh({0.5, 50, 50}, At(5.5, 0, 0)))}), Exact(), core::Rng(1));
+  DepthCamera camera(Scene({Part(BoxMesh({0.5, 50, 50}, At(5.5, 0, 0)))}), ExactCamera(), core::Rng(1));
   ASSERT_TRUE(camera.available());
   const auto middle = [&](double x) { return DepthAt(camera.Capture(CameraAt({x, 0, 0}, 0.0)), 106, 60); };
   EXPECT_NEAR(middle(3.0), 2.0, 1e-4);
@@ -99,7 +95,7 @@ TEST(DepthCameraTest, NothingIsMeasuredTooNearTooFarOrInTheSky) {
 }
 
 TEST(DepthCameraTest, FirstRowIsTheTopAndFirstColumnTheLeft) {
-  DepthCamera camera(Scene({Part(BoxMesh({0.5, 1, 1}, At(2, 1.0, 1.0)))}), Exact(), core::Rng(1));
+  DepthCamera camera(Scene({Part(BoxMesh({0.5, 1, 1}, At(2, 1.0, 1.0)))}), ExactCamera(), core::Rng(1));
   ASSERT_TRUE(camera.available());
   const core::DepthImage image = camera.Capture(CameraAt({0, 0, 0}, 0.0));
   EXPECT_NEAR(DepthAt(image, 53, 30), 1.5, 1e-4);  // up and left of the centre: +z and +y
@@ -108,7 +104,7 @@ TEST(DepthCameraTest, FirstRowIsTheTopAndFirstColumnTheLeft) {
 }
 
 TEST(DepthCameraTest, TheRobotsOwnBodiesHideTheSceneAndAreNotMeasured) {
-  DepthCamera camera(Scene({Part(BoxMesh({0.5, 50, 50}, At(3, 0, 0)))}), Exact(), core::Rng(1));
+  DepthCamera camera(Scene({Part(BoxMesh({0.5, 50, 50}, At(3, 0, 0)))}), ExactCamera(), core::Rng(1));
   ASSERT_TRUE(camera.available());
   EXPECT_EQ(camera.AddBody(BoxMesh({0.1, 0.1, 0.1})), 0);
   EXPECT_EQ(camera.AddBody(BoxMesh({0.1, 0.1, 0.1})), 1);
@@ -137,7 +133,7 @@ TEST(DepthCameraTest, NoiseGrowsWithDepthSquaredAndRepeatsWithTheSeed) {
 }
 
 TEST(DepthCameraTest, AnotherThreadMayCapture) {
-  DepthCamera camera(KerbAndSteps(), Exact(), core::Rng(1));
+  DepthCamera camera(KerbAndSteps(), ExactCamera(), core::Rng(1));
   ASSERT_TRUE(camera.available());
   const core::Pose T_map_camera = CameraAt({0, 0, 0.5}, 0.6);
   const core::DepthImage here = camera.Capture(T_map_camera);

@@ -11,7 +11,7 @@ using namespace testing;  // NOLINT
 using core::ReturnKind;
 
 /// A VLP-16 whose returns are exact.
-core::LidarModel Exact() {
+core::LidarModel ExactLidar() {
   core::LidarModel model = core::FindLidarModel("vlp16");
   model.range_sigma_m = 0.0;
   model.dropout_probability = 0.0;
@@ -24,17 +24,13 @@ core::PoseTrajectory Still(const core::Pose& T = core::Pose::Identity()) {
   return trajectory;
 }
 
-core::Pose At(double x, double y, double z) {
-  return core::MakePose(core::Mat3::Identity(), core::Vec3(x, y, z));
-}
-
 size_t Count(const core::LidarScan& scan, ReturnKind kind) {
   return static_cast<size_t>(std::count(scan.kind.begin(), scan.kind.end(), kind));
 }
 
 TEST(LidarTest, ColumnsFireEvenlyOverTheRevolution) {
   Raycaster nothing{scenes::SceneSpec{}};
-  const core::LidarModel model = Exact();
+  const core::LidarModel model = ExactLidar();
   const core::LidarScan scan = Lidar(model, core::Rng(1)).Spin(&nothing, 5.0, Still(), nullptr, 1);
   ASSERT_EQ(scan.size(), static_cast<size_t>(16 * 1800));
   EXPECT_EQ(scan.stamp_s, 5.0);
@@ -55,7 +51,7 @@ TEST(LidarTest, SensorWalkingTowardsAWallSeesItComeNearerColumnByColumn) {
   Raycaster raycaster(Scene({Part(BoxMesh({0.5, 200, 200}, At(kWallX + 0.5, 0, 0)))}));
   core::PoseTrajectory walk;
   for (int i = 0; i <= 4; ++i) walk.Add(kStamp + 0.03 * i, At(kSpeed * 0.03 * i, 0, 0));
-  Lidar lidar(Exact(), core::Rng(1));
+  Lidar lidar(ExactLidar(), core::Rng(1));
   const core::LidarScan scan = lidar.Spin(&raycaster, kStamp, walk, nullptr, 1);
   size_t hits = 0;
   for (size_t i = 0; i < scan.size(); ++i) {
@@ -75,7 +71,7 @@ TEST(LidarTest, RollingSensorSeesTheFloorAtEachColumnsOwnAttitude) {
     roll.Add(0.01 * i, core::MakePose(core::RotationFromYawPitchRoll(0.3, 0.0, kRollRate * 0.01 * i),
                                       core::Vec3(0, 0, kHeight)));
   }
-  const core::LidarScan scan = Lidar(Exact(), core::Rng(1)).Spin(&raycaster, 0.0, roll, nullptr, 1);
+  const core::LidarScan scan = Lidar(ExactLidar(), core::Rng(1)).Spin(&raycaster, 0.0, roll, nullptr, 1);
   size_t hits = 0;
   for (size_t i = 0; i < scan.size(); ++i) {
     if (scan.kind[i] != ReturnKind::kHit || scan.range_m[i] > 20.0f) continue;
@@ -88,7 +84,7 @@ TEST(LidarTest, RollingSensorSeesTheFloorAtEachColumnsOwnAttitude) {
 }
 
 TEST(LidarTest, BeamsThatMeetNothingAreVoidAndThoseTooNearAreDropouts) {
-  Lidar lidar(Exact(), core::Rng(1));
+  Lidar lidar(ExactLidar(), core::Rng(1));
   Raycaster nothing{scenes::SceneSpec{}};
   EXPECT_EQ(Count(lidar.Spin(&nothing, 0, Still(), nullptr, 1), ReturnKind::kVoid), 28800u);
   Raycaster beyond(Scene({Part(BoxMesh({150, 150, 150}))}));
@@ -107,7 +103,7 @@ TEST(LidarTest, RobotsOwnBodyIsADropoutByGeometry) {
   raycaster.AddBody(BoxMesh(half));
   const core::Pose T_map_body = At(1.0, 0.2, -0.1);
   raycaster.SetBodyPose(0, T_map_body);
-  const core::LidarScan scan = Lidar(Exact(), core::Rng(1)).Spin(&raycaster, 0, Still(), nullptr, 1);
+  const core::LidarScan scan = Lidar(ExactLidar(), core::Rng(1)).Spin(&raycaster, 0, Still(), nullptr, 1);
   const core::Box3 body{T_map_body.translation() - half, T_map_body.translation() + half};
   size_t dropouts = 0;
   for (size_t i = 0; i < scan.size(); ++i) {
@@ -128,7 +124,7 @@ TEST(LidarTest, ReturnsWithinTwoCentimetresOfTheRobotAreDropouts) {
   const core::Vec3 half(0.2, 0.001, 0.005);
   raycaster.AddBody(BoxMesh(half));
   raycaster.SetBodyPose(0, At(2.2, 0, kFloor + 0.005));
-  const core::LidarScan scan = Lidar(Exact(), core::Rng(1)).Spin(&raycaster, 0, Still(), nullptr, 1);
+  const core::LidarScan scan = Lidar(ExactLidar(), core::Rng(1)).Spin(&raycaster, 0, Still(), nullptr, 1);
   size_t near = 0;
   for (size_t i = 0; i < scan.size(); ++i) {
     const core::Vec3 d = scan.direction_lidar[i].cast<double>();
@@ -149,7 +145,7 @@ TEST(LidarTest, BodiesArePosedInSlicesAcrossTheRevolution) {
   Raycaster raycaster(Scene({Part(BoxMesh({5, 5, 5}))}));
   raycaster.AddBody(BoxMesh({0.1, 0.1, 0.1}));
   std::vector<double> times;
-  Lidar(Exact(), core::Rng(1))
+  Lidar(ExactLidar(), core::Rng(1))
       .Spin(
           &raycaster, 2.0, Still(), [&](double t) { times.push_back(t); }, 1);
   ASSERT_GE(times.size(), 4u);
@@ -164,7 +160,7 @@ TEST(LidarTest, NoiseHasTheModelsSpreadAndThreeSigmaLimit) {
   model.range_sigma_m = 0.02;
   model.dropout_probability = 0.05;
   Raycaster raycaster(Scene({Part(SphereMesh(5.0, 512, core::Pose::Identity()))}));
-  Lidar exact(Exact(), core::Rng(1)), noisy(model, core::Rng(1));
+  Lidar exact(ExactLidar(), core::Rng(1)), noisy(model, core::Rng(1));
   const core::LidarScan truth = exact.Spin(&raycaster, 0, Still(), nullptr, 1);
   const core::LidarScan scan = noisy.Spin(&raycaster, 0, Still(), nullptr, 1);
   double sum = 0.0, sum2 = 0.0, sum_next = 0.0, previous = 0.0;

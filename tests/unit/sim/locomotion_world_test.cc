@@ -11,7 +11,7 @@ namespace {
 using core::Vec2;
 using core::Vec3;
 
-scenes::ScenePart Part(const scenes::CollisionShape& shape) {
+scenes::ScenePart SolidPart(const scenes::CollisionShape& shape) {
   scenes::ScenePart part;
   part.name = "part";
   part.collision.push_back(shape);
@@ -37,7 +37,7 @@ scenes::SceneSpec HillScene() {
   }
   scenes::SceneSpec scene;
   scene.name = "hill";
-  scene.parts.push_back(Part({grid, core::Pose::Identity()}));
+  scene.parts.push_back(SolidPart({grid, core::Pose::Identity()}));
   scene.T_map_spawn = core::PoseFromXyzYaw({0.5, 0.0, HillHeight(0.5, 0.0)}, 0.0);
   return scene;
 }
@@ -62,11 +62,11 @@ TEST(World, GroundBelowEveryShapeIsItsUpperSide) {
       wedge.mesh.vertices.push_back(p.cast<float>());
     }
   }
-  scene.parts.push_back(Part({wedge, test::At(10.0, 0.0, 0.0)}));
-  scene.parts.push_back(Part({scenes::CylinderShape{0.4, 0.3}, test::At(-3.0, 0.0, 0.3)}));
-  scene.parts.push_back(Part({scenes::SphereShape{0.5}, test::At(-6.0, 0.0, 0.0)}));
-  scene.parts.push_back(Part({scenes::CapsuleShape{0.2, 0.5}, test::At(-9.0, 0.0, 0.0)}));
-  scene.parts.push_back(Part({scenes::BoxShape{{0.5, 0.5, 0.1}}, test::At(5.0, 5.0, 3.0)}));  // overhead
+  scene.parts.push_back(SolidPart({wedge, test::At(10.0, 0.0, 0.0)}));
+  scene.parts.push_back(SolidPart({scenes::CylinderShape{0.4, 0.3}, test::At(-3.0, 0.0, 0.3)}));
+  scene.parts.push_back(SolidPart({scenes::SphereShape{0.5}, test::At(-6.0, 0.0, 0.0)}));
+  scene.parts.push_back(SolidPart({scenes::CapsuleShape{0.2, 0.5}, test::At(-9.0, 0.0, 0.0)}));
+  scene.parts.push_back(SolidPart({scenes::BoxShape{{0.5, 0.5, 0.1}}, test::At(5.0, 5.0, 3.0)}));  // overhead
   const World world(scene, robots::LoadRobot("quadruped"));
   EXPECT_NEAR(*world.GroundBelow({10.25, 0.1, 2.0}), 0.375, 1e-6);
   EXPECT_NEAR(*world.GroundBelow({-3.1, 0.1, 2.0}), 0.6, 1e-6);
@@ -102,15 +102,15 @@ TEST(World, ShapesThatPhysicsCannotTakeAreBadInput) {
   scenes::SceneSpec flat_hull = test::FlatScene();
   scenes::HullShape hull;
   hull.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5f, 0.5f, 0}};
-  flat_hull.parts.push_back(Part({hull, core::Pose::Identity()}));
+  flat_hull.parts.push_back(SolidPart({hull, core::Pose::Identity()}));
   EXPECT_THROW(World(flat_hull, robots::LoadRobot("quadruped")), core::InputError);
 
   scenes::SceneSpec short_grid = test::FlatScene();
   short_grid.parts.push_back(
-      Part({scenes::HeightGridShape{3, 3, 0.1, Vec2::Zero(), {0.0f}}, core::Pose::Identity()}));
+      SolidPart({scenes::HeightGridShape{3, 3, 0.1, Vec2::Zero(), {0.0f}}, core::Pose::Identity()}));
   EXPECT_THROW(World(short_grid, robots::LoadRobot("quadruped")), core::InputError);
   scenes::SceneSpec no_size = test::FlatScene();
-  no_size.parts.push_back(Part({scenes::BoxShape{Vec3(1.0, 1.0, 0.0)}, core::Pose::Identity()}));
+  no_size.parts.push_back(SolidPart({scenes::BoxShape{Vec3(1.0, 1.0, 0.0)}, core::Pose::Identity()}));
   EXPECT_THROW(World(no_size, robots::LoadRobot("quadruped")), core::InputError);
 }
 

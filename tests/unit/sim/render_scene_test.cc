@@ -12,10 +12,6 @@ using namespace testing;  // NOLINT
 
 constexpr Rgb kRed = {200, 40, 30}, kGreen = {30, 180, 60}, kGrey = {150, 150, 150};
 
-core::Pose At(double x, double y, double z) {
-  return core::MakePose(core::Mat3::Identity(), core::Vec3(x, y, z));
-}
-
 Rgb PixelAt(const RgbImage& image, int u, int v) {
   const auto i = 3 * static_cast<size_t>(v * image.width + u);
   return {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]};
