@@ -129,8 +129,8 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
 planner::NbvDecision PlanNextView(Mission* m) {
   const Stopwatch planning;
   planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), m->terrain);
-  m->metrics.ObserveGround(m->terrain);
   m->metrics.timing().nbv_time_s = planning.seconds();
+  m->metrics.ObserveGround(m->terrain);
   m->lanes.Drain(kMapLane);
   m->metrics.AdoptScore();
   return decision;

@@ -9,6 +9,7 @@
 #include "experiments/metrics/scene_surface.h"
 #include "experiments/metrics/scored_files.h"
 #include "experiments/run_identity.h"
+#include "experiments/run_labels.h"
 #include "experiments/thesis_deviations.h"
 #include "experiments/version.h"
 
@@ -17,21 +18,6 @@ namespace {
 
 constexpr double kPoseLogRateHz = 10.0;
 
-/// What a view is worth to the planner, where the gain alone does not say it.
-std::string WorthOf(const planner::NbvParams& params) {
-  if (params.name != "greedy" || params.gain_share >= 1.0) return "";
-  return fmt::format("surface_frontier x {} ({:.0f} %)", params.gain, 100.0 * params.gain_share);
-}
-
-std::string OdometryText(const sim::OdometryParams& p) {
-  return fmt::format("drift {:g} % {:g} deg/m", 100.0 * p.drift_xy_per_m, p.drift_yaw_deg_per_m);
-}
-
-std::string LocalisationText(const sim::LocalisationParams& p) {
-  if (p.name != "truth") return p.name;
-  return fmt::format("truth, {:g} mm {:g} deg, {:g} s", 1e3 * p.sigma_m, p.sigma_deg, p.period_s);
-}
-
 RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) {
   const RunIdentity identity = IdentityOf(config);
   RunSummary s;
@@ -39,13 +25,13 @@ RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) 
   s.scene = std::filesystem::path(config.scene.name).stem().string();
   s.robot = std::filesystem::path(config.robot.name).stem().string();
   s.locomotion = config.sim.locomotion.name;
-  s.terrain = config.sim.locomotion.terrain;
-  s.localisation = LocalisationText(config.sim.localisation);
-  s.odometry = OdometryText(config.sim.odometry);
+  s.terrain = TerrainLabel(config.sim.locomotion);
+  s.localisation = LocalisationLabel(config.sim.localisation);
+  s.odometry = OdometryLabel(config.sim.odometry);
   s.mapper = config.mapper.name;
   s.planner = config.planner.name;
   s.gain = config.planner.name == "route" ? "none" : config.planner.gain;
-  s.worth = WorthOf(config.planner);
+  s.worth = WorthLabel(config.planner);
   s.deviations = fmt::format("{}", fmt::join(DeviationsFromThesis(config), "; "));
   s.version = Version();
   s.commit = identity.commit;
@@ -200,11 +186,11 @@ void MissionMetrics::FinishScan(const planner::NbvDecision& decision) {
   if (safety.measured) {
     step_.falls = safety.falls;
     step_.collisions = safety.collisions;
+    step_.shank_brushes = safety.shank_brushes;
+    step_.footholds = safety.footholds;
+    step_.footholds_off_solid = safety.footholds_off_solid;
+    step_.worst_foot_drop_m = safety.worst_foot_drop_m;
   }
-  step_.shank_brushes = safety.shank_brushes;
-  step_.footholds = safety.footholds;
-  step_.footholds_off_solid = safety.footholds_off_solid;
-  step_.worst_foot_drop_m = safety.worst_foot_drop_m;
   timing_.wall_time_s = wall_.seconds();
   blocked_ = decision.blocked;
   recorder_->AddDecision(scans_, decision, config_.planner.extra_gains);

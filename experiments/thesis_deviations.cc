@@ -38,7 +38,9 @@ void ComparePlanner(const planner::NbvParams& planner, std::vector<std::string>*
 }
 
 /// What the thesis leaves open.
-void NameChoices(const planner::NbvParams& planner, std::vector<std::string>* out) {
+void NameChoices(const ExperimentConfig& config, std::vector<std::string>* out) {
+  const planner::NbvParams& planner = config.planner;
+  out->emplace_back(fmt::format("at most {} scans (until Eq. 3.8 holds)", config.mission.max_scans));
   out->emplace_back(
       fmt::format("chosen where the thesis gives no value: u_thres {} nats, d_thres {} m, {} for views "
                   "behind, {} headings a "
@@ -46,7 +48,9 @@ void NameChoices(const planner::NbvParams& planner, std::vector<std::string>* ou
                   planner.stop_utility, planner.visited_threshold_m, planner.behind_penalty, planner.headings,
                   planner.rays));
   out->emplace_back(
-      "where no ground about the robot looks walkable it goes back the way it came, once (not said)");
+      "where no ground about the robot looks walkable it goes back the way it came, turns, then steps aside "
+      "(not "
+      "said)");
 }
 
 }  // namespace
@@ -56,7 +60,7 @@ std::vector<std::string> DeviationsFromThesis(const ExperimentConfig& config) {
   if (config.planner.name != "thesis") return deviations;
   CompareMap(config, &deviations);
   ComparePlanner(config.planner, &deviations);
-  NameChoices(config.planner, &deviations);
+  NameChoices(config, &deviations);
   return deviations;
 }
 

@@ -103,10 +103,10 @@ std::string StepsCsv(const std::vector<StepRow>& steps) {
                     s.flat_by_truth ? 1 : 0, cell(s.cloud_error_m_mean, 6), cell(s.cloud_error_m_p95, 6));
     csv += fmt::format("{},{},{},{},{},{},", s.cloud_points, s.new_surface_voxels, s.outcome, s.candidates,
                        s.nodes, s.rays);
-    csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{:.4f},{}\n", s.gain, s.utility,
+    csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{},{}\n", s.gain, s.utility,
                        s.utility_ratio, s.path_length_m, CountText(s.falls), CountText(s.collisions),
-                       s.shank_brushes, s.footholds, s.footholds_off_solid, s.worst_foot_drop_m,
-                       cell(s.explored_m3, 3));
+                       CountText(s.shank_brushes), CountText(s.footholds), CountText(s.footholds_off_solid),
+                       cell(s.worst_foot_drop_m, 4), cell(s.explored_m3, 3));
   }
   return csv;
 }

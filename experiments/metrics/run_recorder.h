@@ -40,11 +40,10 @@ struct StepRow {
   double utility = 0.0;        ///< of the chosen view, Eq. 3.1
   double utility_ratio = 0.0;  ///< over the greatest so far
   double path_length_m = 0.0;
-  std::optional<int> falls, collisions;        ///< so far; nothing where no physics runs
-  int shank_brushes = 0;                       ///< so far
-  int footholds = 0, footholds_off_solid = 0;  ///< so far
-  double worst_foot_drop_m = 0.0;              ///< so far
-  std::optional<double> explored_m3;           ///< known attainable volume, of scenes to explore
+  /// So far; nothing where no physics runs.
+  std::optional<int> falls, collisions, shank_brushes, footholds, footholds_off_solid;
+  std::optional<double> worst_foot_drop_m;
+  std::optional<double> explored_m3;  ///< known attainable volume, of scenes to explore
 };
 
 /// Wall-clock times of one scan.

@@ -143,6 +143,15 @@ TEST_F(MissionMetricsTest, EveryCountOfSafetyReachesItsColumnAndTheSummary) {
   EXPECT_EQ(summary.collisions, 7.0);
 }
 
+TEST_F(MissionMetricsTest, WhatNoPhysicsMeasuresStaysEmpty) {
+  simulator_.counts.measured = false;
+  const tests::CsvRow row = ScanOf({});
+  for (const char* column :
+       {"falls", "collisions", "shank_brushes", "footholds", "footholds_off_solid", "worst_foot_drop_m"}) {
+    EXPECT_EQ(row.at(column), "") << column;
+  }
+}
+
 TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   planner::NbvDecision decision;
   decision.outcome = planner::NbvOutcome::kView;

@@ -54,6 +54,9 @@ TEST(ThesisRows, NameEachChoiceThatDiffers) {
   EXPECT_FALSE(Names(faithful, "150"));
   EXPECT_TRUE(Names(faithful, "u_thres"));
   EXPECT_TRUE(Names(faithful, "each revolution"));
+  EXPECT_TRUE(Names(faithful, "turns, then steps aside"));
+  EXPECT_TRUE(Names(DeviationsFromThesis(LoadExperiment("car", {"planner=thesis", "mission.max_scans=9"})),
+                    "at most 9 scans"));
   const std::vector<std::pair<std::string, std::string>> changes = {
       {"mapper=se_atlas", "se_atlas (OctoMap)"},   {"mapper.resolution_m=0.1", "0.1 m (0.05)"},
       {"mapper.void_rays=clear", "void rays"},     {"mission.map_while_walking=true", "walk"},
