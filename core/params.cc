@@ -6,92 +6,22 @@
 
 #include <charconv>
 #include <functional>
-#include <map>
 #include <set>
 
 #include "core/errors.h"
-#include "core/files.h"
 #include "core/named_files.h"
+#include "core/param_entry.h"
 #include "core/safe_text.h"
+#include "core/yaml_text.h"
 
 namespace atlas::core {
 namespace fs = std::filesystem;
 namespace {
 
-/// A value as the user wrote it, and where.
-struct Entry {
-  enum class Kind { kScalar, kSequence, kMap } kind = Kind::kMap;
-  std::string origin;
-  fs::path folder = {};  ///< of the file; empty for the command line
-  std::string scalar;
-  std::vector<std::string> sequence;
-  std::map<std::string, Entry> children;
-};
+using Entry = ParamEntry;
 
-/// A value or key; where it goes (names of files, scripts, terminals), control characters would act.
-std::string TextOf(const YAML::Node& node, const std::string& origin) {
-  std::string text = node.as<std::string>();
-  RefuseControlCharacters(text, origin);
-  return text;
-}
-
-Entry FromYaml(const YAML::Node& node, const std::string& file, const fs::path& folder) {
-  Entry entry;
-  entry.folder = folder;
-  entry.origin = fmt::format("{}:{}", file, node.Mark().line + 1);
-  if (node.IsMap()) {
-    for (const auto& item : node) {
-      Entry child = FromYaml(item.second, file, folder);
-      child.origin = fmt::format("{}:{}", file, item.first.Mark().line + 1);
-      entry.children[TextOf(item.first, child.origin)] = std::move(child);
-    }
-  } else if (node.IsSequence()) {
-    entry.kind = Entry::Kind::kSequence;
-    for (const auto& item : node) {
-      if (!item.IsScalar()) throw InputError(fmt::format("{}: a list holds plain values only", entry.origin));
-      entry.sequence.push_back(TextOf(item, entry.origin));
-    }
-  } else {
-    entry.kind = Entry::Kind::kScalar;
-    if (node.IsScalar()) entry.scalar = TextOf(node, entry.origin);
-  }
-  return entry;
-}
-
-YAML::Node ParseYaml(const std::string& text, const std::string& file) {
-  try {
-    return YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}:{}: malformed YAML: {}", file, error.mark.line + 1, error.msg));
-  }
-}
-
-/// Merges `over` into `base`; a bare scalar for a section is shorthand for its name.
-void Merge(Entry* base, Entry over) {
-  if (over.kind == Entry::Kind::kMap) {
-    if (base->kind == Entry::Kind::kScalar) {
-      Entry name = *base;
-      *base = Entry{};
-      base->children["name"] = std::move(name);
-    } else if (base->kind == Entry::Kind::kSequence) {
-      *base = Entry{};
-    }
-    base->origin = over.origin;
-    for (auto& [key, child] : over.children) {
-      const auto found = base->children.find(key);
-      if (found == base->children.end()) {
-        base->children.emplace(key, std::move(child));
-      } else {
-        Merge(&found->second, std::move(child));
-      }
-    }
-  } else if (over.kind == Entry::Kind::kScalar && base->kind == Entry::Kind::kMap &&
-             !base->children.empty()) {
-    base->children["name"] = std::move(over);
-  } else {
-    *base = std::move(over);
-  }
-}
+/// Files of one chain of `extends`.
+constexpr size_t kMostExtended = 16;
 
 std::string RangeText(const ParamInfo& info) {
   if (!info.choices.empty()) return fmt::format("{}", fmt::join(info.choices, " | "));
@@ -155,6 +85,7 @@ class LoadVisitor : public ParamVisitor {
     if (entry == nullptr) {
       entry = &kEmpty;
     } else if (entry->kind == Entry::Kind::kScalar) {
+      if (entry->scalar.empty() && !entry->is_null) WrongType(*entry, name, "a name or keys");
       Entry named;  // shorthand: `planner: thesis`
       named.origin = entry->origin;
       if (!entry->scalar.empty()) named.children["name"] = *entry;
@@ -187,10 +118,8 @@ class LoadVisitor : public ParamVisitor {
   }
 
   [[noreturn]] void WrongType(const Entry& entry, const std::string& name, const std::string& wanted) const {
-    const std::string got = entry.kind == Entry::Kind::kScalar     ? fmt::format("'{}'", entry.scalar)
-                            : entry.kind == Entry::Kind::kSequence ? "a list"
-                                                                   : "a section";
-    throw InputError(fmt::format("{}: {}: expected {}, got {}", entry.origin, Path(name), wanted, got));
+    throw InputError(
+        fmt::format("{}: {}: expected {}, got {}", entry.origin, Path(name), wanted, KindText(entry)));
   }
 
   const Entry* Scalar(const std::string& name, const std::string& wanted) {
@@ -243,7 +172,7 @@ class LoadVisitor : public ParamVisitor {
       const std::string near = NearestName(key, valid);
       throw InputError(fmt::format("{}: unknown key '{}{}'{}", child.origin, level.prefix, key,
                                    near.empty() ? fmt::format(" (valid: {})", fmt::join(valid, ", "))
-                                                : fmt::format("; did you mean '{}'?", near)));
+                                                : fmt::format("; did you mean '{}{}'?", level.prefix, near)));
     }
   }
 
@@ -256,7 +185,11 @@ class LoadVisitor : public ParamVisitor {
 
 struct ParamSource::Impl {
   Entry root;
-  std::vector<std::string> open_files;  // the chain of `extends`, to find cycles
+  struct OpenFile {
+    std::string name;
+    fs::path place;
+  };
+  std::vector<OpenFile> open_files = {};  // the chain of `extends`, to find cycles
 };
 
 ParamSource::ParamSource() : impl_(std::make_unique<Impl>()) {}
@@ -264,31 +197,57 @@ ParamSource::~ParamSource() = default;
 ParamSource::ParamSource(ParamSource&&) noexcept = default;
 ParamSource& ParamSource::operator=(ParamSource&&) noexcept = default;
 
+namespace {
+
+/// One name for a file, however its path is spelt.
+fs::path PlaceOf(const fs::path& path) {
+  std::error_code error;
+  const fs::path place = fs::weakly_canonical(path, error);
+  return error ? path.lexically_normal() : place;
+}
+
+/// The file that `extends` names: beside the one that it stands in, else in `fallback_dir`.
+fs::path BaseOf(const Entry& extends, const fs::path& fallback_dir) {
+  if (extends.kind != Entry::Kind::kScalar || extends.scalar.empty()) {
+    throw InputError(
+        fmt::format("{}: extends: expected the name of one file, got {}", extends.origin, KindText(extends)));
+  }
+  const std::string name = extends.scalar.ends_with(".yaml") ? extends.scalar : extends.scalar + ".yaml";
+  std::error_code error;
+  const fs::path beside = extends.folder / name;
+  if (fs::exists(beside, error)) return beside;
+  const fs::path fallback = fallback_dir / name;
+  if (fs::exists(fallback, error)) return fallback;
+  throw InputError(
+      fmt::format("{}: extends '{}', but there is no {}", extends.origin, extends.scalar, fallback.string()));
+}
+
+}  // namespace
+
 void ParamSource::MergeFile(const fs::path& path, const fs::path& fallback_dir) {
   const std::string name = path.string();
-  if (std::find(impl_->open_files.begin(), impl_->open_files.end(), name) != impl_->open_files.end()) {
-    throw InputError(
-        fmt::format("{}: extends itself through {}", name, fmt::join(impl_->open_files, " -> ")));
+  const fs::path place = PlaceOf(path);
+  std::vector<std::string> chain;
+  bool open = false;
+  for (const Impl::OpenFile& file : impl_->open_files) {
+    chain.push_back(file.name);
+    open = open || file.place == place;
   }
-  const YAML::Node yaml = ParseYaml(ReadFile(path), name);
+  if (open) throw InputError(fmt::format("{}: extends itself through {}", name, fmt::join(chain, " -> ")));
+  if (chain.size() >= kMostExtended)
+    throw InputError(fmt::format("{}: extends a chain of more than {} files", chain.front(), kMostExtended));
+  const YAML::Node yaml = LoadYaml(path);
   if (!yaml.IsMap() && !yaml.IsNull())
     throw InputError(fmt::format("{}:1: expected sections, such as 'scene: car'", name));
-  Entry entry = FromYaml(yaml, name, path.parent_path());
+  Entry entry = EntryFromYaml(yaml, name, path.parent_path());
   if (const auto extends = entry.children.find("extends"); extends != entry.children.end()) {
-    const std::string& given = extends->second.scalar;
-    const std::string base = given.ends_with(".yaml") ? given : given + ".yaml";
-    fs::path base_path = path.parent_path() / base;
-    if (!fs::exists(base_path)) base_path = fallback_dir / base;
-    if (!fs::exists(base_path)) {
-      throw InputError(fmt::format("{}: extends '{}', but there is no {}", extends->second.origin,
-                                   extends->second.scalar, base_path.string()));
-    }
+    const fs::path base = BaseOf(extends->second, fallback_dir);
     entry.children.erase(extends);
-    impl_->open_files.push_back(name);
-    MergeFile(base_path, fallback_dir);
+    impl_->open_files.push_back({name, place});
+    MergeFile(base, fallback_dir);
     impl_->open_files.pop_back();
   }
-  Merge(&impl_->root, std::move(entry));
+  MergeEntry(&impl_->root, std::move(entry));
 }
 
 void ParamSource::MergeAssignment(const std::string& assignment) {
@@ -297,7 +256,12 @@ void ParamSource::MergeAssignment(const std::string& assignment) {
   if (equals == std::string::npos || equals == 0) {
     throw InputError(fmt::format("--set {}: expected section.key=value", assignment));
   }
-  Entry entry = FromYaml(ParseYaml(assignment.substr(equals + 1), "--set " + assignment), "--set", {});
+  if (static_cast<size_t>(
+          std::count(assignment.begin(), assignment.begin() + static_cast<std::ptrdiff_t>(equals), '.')) >=
+      kMostYamlDepth)
+    throw InputError(fmt::format("--set {}: nested deeper than {} levels", assignment, kMostYamlDepth));
+  Entry entry = EntryFromYaml(ParseYaml(assignment.substr(equals + 1), "--set " + assignment), "--set", {});
+  if (entry.is_null) throw InputError(fmt::format("--set {}: the value is empty", assignment));
   std::function<void(Entry*)> mark = [&](Entry* e) {
     e->origin = "--set " + assignment;
     for (auto& [key, child] : e->children) mark(&child);
@@ -314,7 +278,7 @@ void ParamSource::MergeAssignment(const std::string& assignment) {
     if (dot == std::string::npos) break;
     path.resize(dot);
   }
-  Merge(&impl_->root, std::move(entry));
+  MergeEntry(&impl_->root, std::move(entry));
 }
 
 std::optional<std::string> ParamSource::TextAt(const std::string& section, const std::string& key) const {

@@ -1,5 +1,6 @@
 #include "core/params.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -80,7 +81,7 @@ TEST_F(ParamFiles, BadInputNamesFileKeyValueAndLimit) {
   EXPECT_NE(Refusal("count: soon\n").find("expected a whole number, got 'soon'"), std::string::npos);
   EXPECT_NE(Refusal("count: 2.5\n").find("expected a whole number"), std::string::npos);
   EXPECT_NE(Refusal("inner: {size_m: .nan}\n").find("inner.size_m: expected a number"), std::string::npos);
-  EXPECT_NE(Refusal("inner: {sise_m: 1}\n").find("did you mean 'size_m'"), std::string::npos);
+  EXPECT_NE(Refusal("inner: {sise_m: 1}\n").find("did you mean 'inner.size_m'?"), std::string::npos);
   EXPECT_NE(Refusal("inner: fency\n").find("did you mean 'fancy'"), std::string::npos);
   EXPECT_NE(Refusal("active: maybe\n").find("expected true or false"), std::string::npos);
   EXPECT_NE(Refusal("count: {a: 1}\n").find("expected a whole number, got a section"), std::string::npos);
@@ -91,6 +92,46 @@ TEST_F(ParamFiles, BadInputNamesFileKeyValueAndLimit) {
   EXPECT_NE(Refusal("count: 1\n", {"inner.size_m"}).find("expected section.key=value"), std::string::npos);
   EXPECT_NE(Refusal("count: 1\n", {"inner.size_m=7"}).find("--set inner.size_m=7: inner.size_m: 7"),
             std::string::npos);
+}
+
+TEST_F(ParamFiles, WhatIsAmbiguousOrEndlessIsRefusedByFileAndLine) {
+  const std::string path = (dir_ / "a.yaml").string();
+  EXPECT_EQ(Refusal("inner: &a {name: *a}\n"), path + ":1: an alias stands inside of what it names");
+  EXPECT_EQ(Refusal("count: 1\ncount: 2\n"), path + ":2: the key 'count' stands twice (first in line 1)");
+  EXPECT_EQ(Refusal("count: 1\n---\ncount: 2\n"), path + ":2: a second document (a file holds one)");
+  EXPECT_EQ(Refusal("? [a, b]\n: 3\n"), path + ":1: a key must be plain text");
+  EXPECT_EQ(Refusal("", {"inner={size_m: 1, size_m: 2}"}),
+            "--set inner={size_m: 1, size_m: 2}:1: the key 'size_m' stands twice (first in line 1)");
+  std::string deep = "a";
+  for (int i = 0; i < 100000; ++i) deep += ".a";
+  EXPECT_TRUE(Refusal("", {deep + "=1"}).ends_with(": nested deeper than 32 levels"));
+}
+
+TEST_F(ParamFiles, ExtendsIsOneNameAndEndsHoweverItIsSpelt) {
+  const std::string path = (dir_ / "a.yaml").string();
+  const std::string wanted = path + ":1: extends: expected the name of one file, got ";
+  EXPECT_EQ(Refusal("extends: [a, b]\n"), wanted + "a list");
+  EXPECT_EQ(Refusal("extends: {a: b}\n"), wanted + "a section");
+  EXPECT_EQ(Refusal("extends:\n"), wanted + "''");
+  Write("b.yaml", "extends: ././a\n");
+  EXPECT_NE(Refusal("extends: ./b\n").find("extends itself through "), std::string::npos);
+  fs::create_symlink(dir_ / "a.yaml", dir_ / "link.yaml");
+  EXPECT_NE(Refusal("extends: link\n").find("extends itself through "), std::string::npos);
+  const std::string longest(300, 'x');
+  EXPECT_NE(Refusal("extends: " + longest + "\n").find(path + ":1: extends '" + longest + "', but there is"),
+            std::string::npos);
+  for (int i = 1; i < 16; ++i) Write(fmt::format("c{}.yaml", i), fmt::format("extends: c{}\n", i - 1));
+  Write("c0.yaml", "count: 4\n");
+  EXPECT_EQ(Load("extends: c14\n").count, 4);
+  EXPECT_EQ(Refusal("extends: c15\n"), path + ": extends a chain of more than 16 files");
+}
+
+TEST_F(ParamFiles, AnEmptyValueIsNoDefault) {
+  EXPECT_EQ(Refusal("", {"inner="}), "--set inner=: the value is empty");
+  EXPECT_EQ(Refusal("", {"words= "}), "--set words= : the value is empty");
+  EXPECT_EQ(Refusal("", {"inner=~"}), "--set inner=~: the value is empty");
+  EXPECT_EQ(Refusal("", {"inner=\"\""}), "--set inner=\"\": inner: expected a name or keys, got ''");
+  EXPECT_TRUE(Load("words: [a]\n", {"words=[]"}).words.empty());
 }
 
 TEST_F(ParamFiles, ControlCharactersAreRefusedInValuesKeysAndAssignments) {
