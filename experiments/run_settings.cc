@@ -1,10 +1,6 @@
 #include "experiments/run_settings.h"
 
-#include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
-
-#include "core/errors.h"
-#include "core/files.h"
+#include "core/yaml_text.h"
 
 namespace atlas::experiments {
 namespace {
@@ -44,11 +40,7 @@ RunSettings SettingsOf(const std::vector<core::ParamRow>& rows) {
 
 RunSettings ReadSettings(const std::filesystem::path& config) {
   RunSettings settings;
-  try {
-    Flatten(YAML::Load(core::ReadFile(config)), "", &settings);
-  } catch (const YAML::Exception& error) {
-    throw core::InputError(fmt::format("{}:{}: {}", config.string(), error.mark.line + 1, error.msg));
-  }
+  Flatten(core::LoadYaml(config), "", &settings);
   return settings;
 }
 

@@ -97,13 +97,14 @@ core::TriMesh Cleaned(const core::TriMesh& raw, double scale) {
 }
 
 core::TriMesh ReadMeshFile(const std::filesystem::path& path, double scale) {
-  if (!std::filesystem::exists(path)) throw core::InputError("no such file");
-  if (!std::filesystem::is_regular_file(path)) throw core::InputError("not a file");
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw core::InputError("no such file");
+  if (!std::filesystem::is_regular_file(path, error)) throw core::InputError("not a file");
   const std::string kind = Lowercase(path.extension().string());
   if (kind != ".obj" && kind != ".ply" && kind != ".stl") {
     throw core::InputError(fmt::format("'{}' is not a mesh format read here (.obj, .ply, .stl)", kind));
   }
-  if (std::filesystem::file_size(path) == 0) throw core::InputError("the file is empty");
+  if (std::filesystem::file_size(path, error) == 0) throw core::InputError("the file is empty");
   return Cleaned(kind == ".ply" ? ParsePly(core::ReadFile(path)) : ReadByAssimp(path), scale);
 }
 

@@ -8,6 +8,7 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/named_files.h"
+#include "core/yaml_text.h"
 #include "scenes/catalog.h"
 #include "scenes/yaml_fields.h"
 
@@ -24,7 +25,7 @@ struct SceneFile {
 
 SceneFile Read(const fs::path& scene) {
   YamlFields::FromFile(scene);  // complains with the line
-  SceneFile file{YAML::Load(core::ReadFile(scene)), {}, {}};
+  SceneFile file{core::LoadYaml(scene), {}, {}};
   const YAML::Node parts = file.root["parts"];
   if (!parts || !parts.IsSequence()) return file;
   for (YAML::Node part : parts) {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/errors.h"
-#include "core/files.h"
 #include "core/safe_text.h"
+#include "core/yaml_text.h"
 
 namespace atlas::scenes {
 namespace {
@@ -27,13 +27,7 @@ YamlFields::YamlFields(std::filesystem::path file, std::string path, YAML::Node 
 }
 
 YamlFields YamlFields::FromFile(const std::filesystem::path& file) {
-  const std::string text = core::ReadFile(file);
-  try {
-    return YamlFields(file, "", YAML::Load(text));
-  } catch (const YAML::Exception& error) {
-    throw core::InputError(
-        fmt::format("{}:{}: malformed YAML: {}", file.string(), error.mark.line + 1, error.msg));
-  }
+  return YamlFields(file, "", core::LoadYaml(file));
 }
 
 void YamlFields::Fail(const std::string& key, const std::string& what) const {

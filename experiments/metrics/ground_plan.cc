@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/yaml_text.h"
 #include "planner/terrain/grid_filters.h"
 
 namespace atlas::experiments {
@@ -127,13 +128,13 @@ GroundImage LoadGroundImage(const std::filesystem::path& folder) {
                     file = (folder / kGroundImageFile).string();
   GroundImage image;
   try {
-    const YAML::Node yaml = YAML::Load(core::ReadFile(legend));
+    const YAML::Node yaml = core::LoadYaml(legend);
     image.cell_m = NumberAt(yaml, "resolution", legend);
     if (!yaml["origin"].IsSequence() || yaml["origin"].size() < 2)
       throw InputError(legend + ": origin: expected [x, y, 0]");
     image.origin = core::Vec2(yaml["origin"][0].as<double>(), yaml["origin"][1].as<double>());
   } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}:{}: {}", legend, error.mark.line + 1, error.msg));
+    throw InputError(fmt::format("{}:{}: {}", legend, std::max(error.mark.line, 0) + 1, error.msg));
   }
   const std::string pgm = core::ReadFile(file);
   std::istringstream head(pgm.substr(0, 64));

@@ -4,7 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "core/errors.h"
-#include "core/files.h"
+#include "core/yaml_text.h"
 #include "mapping/io/bag_source.h"
 #include "mapping/io/pose_matching.h"
 #include "mapping/io/scan_from_cloud.h"
@@ -40,7 +40,7 @@ void ReadDatasetFile(const fs::path& path, RecordedLogOptions* options) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return;
   try {
-    const YAML::Node root = YAML::Load(core::ReadFile(path));
+    const YAML::Node root = core::LoadYaml(path);
     if (!root.IsMap()) throw InputError(fmt::format("{}: not a map of keys", path.string()));
     const auto range = [&](const char* key, double* value) {
       if (*value != 0.0 || !root[key]) return;

@@ -52,6 +52,19 @@ class SceneFile : public ::testing::Test {
 
 const std::string kHead = "spawn: {x: -3, y: 0}\nobject_box: {min: [-2, -2, 0.05], max: [2, 2, 2]}\n";
 
+TEST_F(SceneFile, WhatIsAmbiguousOrEndlessIsRefusedByFileAndLine) {
+  const std::string file = (folder_ / "scene.yaml").string();
+  const std::string box = "parts: [{primitive: box, size: [1, 1, 1]}]\n";
+  EXPECT_EQ(ErrorOf(kHead + box), "no error");
+  EXPECT_EQ(ErrorOf(kHead + box + box), file + ":4: the key 'parts' stands twice (first in line 3)");
+  EXPECT_EQ(ErrorOf(kHead + box + "---\n" + box), file + ":4: a second document (a file holds one)");
+  EXPECT_EQ(ErrorOf(kHead + "parts: &a [*a]\n"), file + ":3: an alias stands inside of what it names");
+  EXPECT_EQ(ErrorOf(kHead + box + "? [a]\n: 1\n"), file + ":4: a key must be plain text");
+  const std::string name(300, 'x');
+  EXPECT_NE(ErrorOf(kHead + "parts: [{mesh: " + name + ".obj}]\n").find(name + ".obj: no such file"),
+            std::string::npos);
+}
+
 TEST_F(SceneFile, EveryMistakeGivesOneLineThatNamesItsPlace) {
   const std::string box = "parts: [{primitive: box, size: [1, 1, 1]}]\n";
   const struct {
