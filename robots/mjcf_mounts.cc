@@ -2,30 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <boost/property_tree/ptree.hpp>
-#include <boost/property_tree/xml_parser.hpp>
 #include <set>
 #include <sstream>
 
 #include "core/errors.h"
+#include "robots/read_xml.h"
 
 namespace atlas::robots {
 namespace {
 
 using boost::property_tree::ptree;
-
-ptree ParseMjcf(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(file)) {
-    throw core::InputError(fmt::format("{}: no such robot file", file.string()));
-  }
-  try {
-    ptree tree;
-    boost::property_tree::read_xml(file.string(), tree);
-    return tree;
-  } catch (const boost::property_tree::xml_parser_error& e) {
-    throw core::InputError(fmt::format("{}:{}: malformed XML: {}", file.string(), e.line(), e.message()));
-  }
-}
 
 void CollectNames(const ptree& node, std::set<std::string>* names) {
   for (const auto& [tag, child] : node) {
@@ -69,7 +55,7 @@ core::Pose SitePose(const ptree& base, const std::string& site, const std::strin
 }  // namespace
 
 void ReadMounts(RobotSpec* spec) {
-  const ptree tree = ParseMjcf(spec->mjcf);
+  const ptree tree = ReadXml(spec->mjcf);
   const std::string file = spec->mjcf.string();
   const ptree* base = FindBody(tree, "base");
   if (base == nullptr) throw core::InputError(file + ": no body 'base'");

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <sstream>
 
@@ -10,6 +9,7 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/named_files.h"
+#include "robots/read_xml.h"
 #include "robots/robot_spec.h"
 
 namespace atlas::robots {
@@ -17,19 +17,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using boost::property_tree::ptree;
-
-ptree Parse(const fs::path& mjcf) {
-  std::istringstream text(core::ReadFile(mjcf));
-  try {
-    ptree tree;
-    using namespace boost::property_tree::xml_parser;
-    read_xml(text, tree, trim_whitespace | no_comments);
-    return tree;
-  } catch (const boost::property_tree::xml_parser_error& error) {
-    throw core::InputError(
-        fmt::format("{}:{}: malformed XML: {}", mjcf.string(), error.line(), error.message()));
-  }
-}
 
 /// Puts what `include` names, relative to `folder`, in its place. Returns whether there was any.
 bool ResolveIncludes(ptree* node, const fs::path& folder, int depth = 0) {
@@ -43,7 +30,7 @@ bool ResolveIncludes(ptree* node, const fs::path& folder, int depth = 0) {
     }
     const fs::path file = folder / at->second.get("<xmlattr>.file", "");
     if (depth == kDeepest) throw core::InputError(file.string() + ": includes are nested too deeply");
-    ptree included = Parse(file);
+    ptree included = ReadXml(file);
     ResolveIncludes(&included, folder, depth + 1);
     at = node->erase(at);
     for (const auto& root : included) node->insert(at, root.second.begin(), root.second.end());
@@ -58,7 +45,7 @@ struct Model {
 };
 
 Model ReadModel(const fs::path& mjcf) {
-  Model model{Parse(mjcf)};
+  Model model{ReadXml(mjcf)};
   model.one_file = !ResolveIncludes(&model.tree, fs::absolute(mjcf).parent_path());
   return model;
 }

@@ -67,6 +67,38 @@ TEST_F(RobotFile, WhatTheSimulatorNeedsIsNamedWhereItIsMissing) {
   EXPECT_NE(RefusalOf("quadrupod").find("quadruped"), std::string::npos);
 }
 
+TEST_F(RobotFile, ElementsNestedTooDeeplyAreRefusedHoweverTheirTagsAreSpelt) {
+  const std::filesystem::path file = folder_ / "deep.xml";
+  const auto refusal = [&](const std::string& tag, int levels) {
+    std::string xml = "<!-- <a> -->\n";
+    for (int i = 0; i < levels; ++i) xml += tag;
+    core::WriteFileAtomically(file, xml);
+    return RefusalOf(file.string());
+  };
+  const std::string too_deep = file.string() + ":2: elements are nested deeper than 256 levels";
+  for (const char* tag : {"<a>", "<a b='/>'>", "<a\tb = \"</a>\" >", "<a><!-- </a></a> --><c/>", "<a><b></b>",
+                          "<a><![CDATA[</a>]]>", "<a><?x </a>?>"}) {
+    EXPECT_EQ(refusal(tag, 100000), too_deep) << tag;
+    EXPECT_EQ(refusal(tag, 257), too_deep) << tag;
+    EXPECT_NE(refusal(tag, 250).find("malformed XML"), std::string::npos) << tag;  // never closed
+  }
+  for (const char* tag : {"<a\"b>\"/>", "<a=\">\"/>", "<a \"b=\"/>\">", "<!DOCTYPE [</a>]><a>", "<a b<c>"}) {
+    EXPECT_NE(refusal(tag, 100000).find("malformed XML"), std::string::npos) << tag;
+  }
+}
+
+TEST_F(RobotFile, SiblingsAreNotDepthAndMarkupInTextsAndCommentsIsNone) {
+  std::string flat;
+  for (int i = 0; i < 1000; ++i) flat += "<geom name='g' size='1 > 2'/><!-- <a> --><body></body>";
+  EXPECT_EQ(RefusalOf(With("<worldbody>", "<worldbody>" + flat)), "");
+}
+
+TEST_F(RobotFile, ANameThatNoFileCanHaveIsMissing) {
+  const std::string name = std::string(300, 'x') + ".xml";
+  EXPECT_EQ(RefusalOf(name), name + ": no such file");
+  EXPECT_NE(RefusalOf(folder_.string() + "/..xml").find("no such file"), std::string::npos);
+}
+
 TEST(Quadruped, IsAsHighAndWideAsItsSpecSays) {
   const RobotSpec robot = LoadRobot("quadruped");
   EXPECT_GT(robot.body_top_m, robot.T_base_lidar.translation().z() + 0.03) << "the LiDAR is part of the body";
