@@ -43,6 +43,18 @@ class FolderLock {
   int file_ = -1;
 };
 
+/// @throws InputError: what is wrong with a run of the sweep, naming its file and the field that set it.
+[[noreturn]] void FailIn(const SweepSpec& spec, const SweepRun& run, const std::string& what) {
+  for (const std::string& assignment : run.assignments) {
+    const std::string start = "--set " + assignment;
+    const auto place = spec.places.find(assignment);
+    if (place != spec.places.end() && what.starts_with(start + ":"))
+      throw core::InputError(fmt::format("{}: {}{}", place->second, assignment, what.substr(start.size())));
+  }
+  const std::string file = spec.file.empty() ? "sweep " + spec.name : spec.file;
+  throw core::InputError(fmt::format("{}: {}: {}", file, run.experiment, what));
+}
+
 /// Of the finished runs, what tables take.
 std::vector<ReportedRun> LoadFinished(const std::vector<SweepRun>& runs, const SweepOptions& options) {
   std::vector<ReportedRun> finished;
@@ -113,7 +125,11 @@ std::vector<SweepRun> IdentifiedRuns(const SweepSpec& spec, const SweepOptions& 
   for (SweepRun& run : runs) {
     std::shared_ptr<const RunIdentity>& identity = known[run.folder.parent_path()];
     if (!identity) {
-      identity = std::make_shared<const RunIdentity>(options.identify(run.experiment, run.assignments));
+      try {
+        identity = std::make_shared<const RunIdentity>(options.identify(run.experiment, run.assignments));
+      } catch (const core::InputError& error) {
+        FailIn(spec, run, error.what());
+      }
     }
     run.identity = identity;
   }

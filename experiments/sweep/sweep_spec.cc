@@ -10,6 +10,7 @@
 #include "core/files.h"
 #include "core/named_files.h"
 #include "core/safe_text.h"
+#include "core/yaml_text.h"
 #include "experiments/experiment_config.h"
 
 namespace atlas::experiments {
@@ -25,11 +26,7 @@ constexpr size_t kMostRuns = 100000;
 class SweepFile {
  public:
   explicit SweepFile(const fs::path& path) : path_(path.string()) {
-    try {
-      root_ = YAML::Load(core::ReadFile(path));
-    } catch (const YAML::Exception& error) {
-      throw InputError(fmt::format("{}:{}: {}", path_, error.mark.line + 1, error.msg));
-    }
+    root_ = core::LoadYaml(path);
     if (!root_.IsMap()) throw InputError(path_ + ": expected keys such as 'experiments' and 'seeds'");
     const std::vector<std::string> known = {"doc",      "experiments", "grid",       "seeds",
                                             "variants", "set",         "estimate_s", "limit_s"};
@@ -45,8 +42,7 @@ class SweepFile {
 
   std::string Text(const YAML::Node& node, const std::string& field) const {
     if (!node.IsScalar() || node.Scalar().empty()) Fail(node, field + ": expected text");
-    core::RefuseControlCharacters(node.Scalar(),
-                                  fmt::format("{}:{}: {}", path_, node.Mark().line + 1, field));
+    core::RefuseControlCharacters(node.Scalar(), Place(node, field));
     return node.Scalar();
   }
   /// Text that may go over several lines of the file.
@@ -79,8 +75,11 @@ class SweepFile {
     }
     return value;
   }
+  std::string Place(const YAML::Node& node, const std::string& field) const {
+    return fmt::format("{}:{}: {}", path_, node.Mark().line + 1, field);
+  }
   [[noreturn]] void Fail(const YAML::Node& node, const std::string& what) const {
-    throw InputError(fmt::format("{}:{}: {}", path_, node.Mark().line + 1, what));
+    throw InputError(Place(node, what));
   }
   const std::string& path() const { return path_; }
 
@@ -110,9 +109,9 @@ void RefuseSeed(const SweepFile& file, const YAML::Node& node, const std::string
   if (key == "seed") file.Fail(node, field + ": seeds of a sweep stand under 'seeds'");
 }
 
-/// A list of "a.b=value".
+/// A list of "a.b=value", their places added to the sweep's.
 std::vector<std::string> ReadAssignments(const SweepFile& file, const YAML::Node& node,
-                                         const std::string& field) {
+                                         const std::string& field, SweepSpec* spec) {
   const fs::path beside = fs::path(file.path()).parent_path();
   std::vector<std::string> list = file.TextList(node, field);
   for (std::string& text : list) {
@@ -121,8 +120,32 @@ std::vector<std::string> ReadAssignments(const SweepFile& file, const YAML::Node
       file.Fail(node, fmt::format("{}: expected a.b=value, found '{}'", field, text));
     RefuseSeed(file, node, field, text.substr(0, equals));
     text = text.substr(0, equals + 1) + core::FileBeside(beside, text.substr(equals + 1));
+    spec->places[text] = file.Place(node, field);
   }
   return list;
+}
+
+void ReadGrid(const SweepFile& file, SweepSpec* spec) {
+  const fs::path beside = fs::path(file.path()).parent_path();
+  if (!file.At("grid").IsMap()) file.Fail(file.At("grid"), "grid: expected parameter: [values]");
+  for (const auto& entry : file.At("grid")) {
+    const std::string key = file.Text(entry.first, "grid");
+    RefuseSeed(file, entry.first, "grid", key);
+    spec->grid.emplace_back(key, file.TextList(entry.second, "grid." + key));
+    for (std::string& value : spec->grid.back().second) {
+      value = core::FileBeside(beside, value);
+      spec->places[key + "=" + value] = file.Place(entry.first, "grid");
+    }
+  }
+}
+
+void ReadVariants(const SweepFile& file, SweepSpec* spec) {
+  if (!file.At("variants").IsMap())
+    file.Fail(file.At("variants"), "variants: expected name: [a.b=value, ...]");
+  for (const auto& entry : file.At("variants")) {
+    const std::string name = file.Text(entry.first, "variants");
+    spec->variants.emplace_back(name, ReadAssignments(file, entry.second, "variants." + name, spec));
+  }
 }
 
 fs::path FileOf(const std::string& name_or_path) {
@@ -158,6 +181,7 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
   const SweepFile file(path);
   SweepSpec spec;
   spec.name = path.stem().string();
+  spec.file = file.path();
   for (const char* key : {"experiments", "seeds"}) {
     if (!file.Has(key)) throw InputError(fmt::format("{}: '{}' is missing", file.path(), key));
   }
@@ -166,27 +190,12 @@ SweepSpec LoadSweep(const std::string& name_or_path) {
   spec.experiments = file.TextList(file.At("experiments"), "experiments");
   for (std::string& experiment : spec.experiments) experiment = core::FileBeside(beside, experiment);
   spec.seeds = ReadSeeds(file);
-  if (file.Has("set")) spec.set = ReadAssignments(file, file.At("set"), "set");
+  if (file.Has("set")) spec.set = ReadAssignments(file, file.At("set"), "set", &spec);
   if (file.Has("estimate_s"))
     spec.estimate_s = file.Number<double>(file.At("estimate_s"), "estimate_s", 0.1, 1e6);
   if (file.Has("limit_s")) spec.limit_s = file.Number<double>(file.At("limit_s"), "limit_s", 0.1, 1e7);
-  if (file.Has("grid")) {
-    if (!file.At("grid").IsMap()) file.Fail(file.At("grid"), "grid: expected parameter: [values]");
-    for (const auto& entry : file.At("grid")) {
-      const std::string key = file.Text(entry.first, "grid");
-      RefuseSeed(file, entry.first, "grid", key);
-      spec.grid.emplace_back(key, file.TextList(entry.second, "grid." + key));
-      for (std::string& value : spec.grid.back().second) value = core::FileBeside(beside, value);
-    }
-  }
-  if (file.Has("variants")) {
-    if (!file.At("variants").IsMap())
-      file.Fail(file.At("variants"), "variants: expected name: [a.b=value, ...]");
-    for (const auto& entry : file.At("variants")) {
-      const std::string name = file.Text(entry.first, "variants");
-      spec.variants.emplace_back(name, ReadAssignments(file, entry.second, "variants." + name));
-    }
-  }
+  if (file.Has("grid")) ReadGrid(file, &spec);
+  if (file.Has("variants")) ReadVariants(file, &spec);
   return spec;
 }
 

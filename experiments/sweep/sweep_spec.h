@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -26,12 +27,14 @@ namespace atlas::experiments {
 
 struct SweepSpec {
   std::string name;  ///< the file's stem
+  std::string file;  ///< as given
   std::string doc;
   std::vector<std::string> experiments;
   std::vector<std::pair<std::string, std::vector<std::string>>> grid;      ///< parameter path, values
   std::vector<std::pair<std::string, std::vector<std::string>>> variants;  ///< name, assignments
   std::vector<uint64_t> seeds;
   std::vector<std::string> set;
+  std::map<std::string, std::string> places;  ///< of each assignment: "FILE:LINE: grid.planner.gain"
   double estimate_s = 120.0;
   double limit_s = 0.0;  ///< 0: an hour, or ten times the estimate where that is longer
 };

@@ -12,6 +12,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "experiments/experiment_config.h"
 #include "experiments/sweep/run_pool.h"
 #include "experiments/sweep/slurm.h"
 #include "experiments/sweep/sweep.h"
@@ -166,6 +167,38 @@ TEST_F(SweepSafety, ControlCharactersAreRefusedWhereASpecIsRead) {
   EXPECT_NE(ErrorOf("seeds: 1\nexperiments: [\"c\\e[2Jar\"]\n").find("'c\\x1b[2Jar'"), std::string::npos);
   EXPECT_NE(ErrorOf(good + "grid: {\"a\\tb\": [1]}\n").find("spec.yaml:3: grid"), std::string::npos);
   EXPECT_NE(ErrorOf(good + "grid: {a: [\"1\\n2\"]}\n").find("spec.yaml:3: grid.a"), std::string::npos);
+}
+
+TEST_F(SweepSafety, AKeyThatStandsTwiceIsRefused) {
+  const std::string good = "experiments: [car]\nseeds: 1\n", file = (root_ / "spec.yaml").string();
+  EXPECT_EQ(ErrorOf(good + "grid: {planner.nodes: [10, 20], planner.nodes: [30]}\n"),
+            file + ":3: the key 'planner.nodes' stands twice (first in line 3)");
+  EXPECT_EQ(ErrorOf(good + "seeds: 2\n"), file + ":3: the key 'seeds' stands twice (first in line 2)");
+  EXPECT_EQ(ErrorOf(good + "---\nseeds: 2\n"), file + ":3: a second document (a file holds one)");
+  EXPECT_EQ(ErrorOf(good + "grid: &a {b: *a}\n"), file + ":3: an alias stands inside of what it names");
+}
+
+TEST_F(SweepSafety, WhatAnExperimentRefusesIsToldByTheSweepsFileAndField) {
+  const std::string good = "experiments: [car]\nseeds: 1\n", file = (root_ / "spec.yaml").string();
+  options_.identify = [](const std::string& experiment, const std::vector<std::string>& assignments) {
+    return IdentityOf(LoadExperiment(experiment, assignments));
+  };
+  const auto refusal = [&](const std::string& yaml) -> std::string {
+    core::WriteFileAtomically(root_ / "spec.yaml", yaml);
+    try {
+      IdentifiedRuns(LoadSweep(file), options_, root_ / "out");
+    } catch (const core::InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string told = "unknown key 'planner.nodez'; did you mean 'planner.nodes'?";
+  EXPECT_EQ(refusal(good + "grid:\n  planner.nodez: [1]\n"), file + ":4: grid: planner.nodez=1: " + told);
+  EXPECT_EQ(refusal(good + "set: [planner.nodez=1]\n"), file + ":3: set: planner.nodez=1: " + told);
+  EXPECT_EQ(refusal(good + "variants: {a: [planner.nodez=1]}\n"),
+            file + ":3: variants.a: planner.nodez=1: " + told);
+  EXPECT_EQ(refusal(good + "set: [planner=]\n"), file + ":3: set: planner=: the value is empty");
+  EXPECT_TRUE(refusal("experiments: [carr]\nseeds: 1\n").starts_with(file + ": carr: unknown experiment"));
 }
 
 TEST_F(SweepSafety, ControlCharactersInASettingStartNothing) {
