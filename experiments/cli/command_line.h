@@ -20,6 +20,8 @@ void AddShellCommands(CLI::App* app, Action* action);               // completio
 
 /// --threads, 1 to 64.
 void AddThreads(CLI::App* command, int* threads);
+/// Accepts seeds (0 to kGreatestSeed) only.
+CLI::Validator SeedCheck();
 /// Accepts these names only; others are answered with the near one.
 CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& names);
 

@@ -11,7 +11,9 @@ void AddRun(CLI::App* app, int threads, Action* action) {
   a->threads = threads;
   CLI::App* run = app->add_subcommand("run", "Run an experiment: the closed loop, to its coverage table");
   run->add_option("experiment", a->experiment, "name (atlas list experiments) or FILE.yaml")->required();
-  run->add_option("--seed", a->seed, "seed of all randomness, over the file's")->default_str("1");
+  run->add_option("--seed", a->seed, "seed of all randomness, over the file's")
+      ->default_str("1")
+      ->check(SeedCheck());
   AddThreads(run, &a->threads);
   run->add_option("--set", a->assignments, "section.key=value, over the file")->take_all();
   run->add_option("--out", a->out, "run folder (default: runs/EXPERIMENT/SEED, then SEED-2 ...)");

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <iostream>
 #include <memory>
 
@@ -63,6 +64,19 @@ int CompletionCommand(const CLI::App& app, const std::string& shell) {
 void AddThreads(CLI::App* command, int* threads) {
   command->add_option("--threads", *threads, "threads; results do not depend on it")
       ->check(CLI::Range(1, 64));
+}
+
+CLI::Validator SeedCheck() {
+  return {[](std::string& value) {
+            int64_t seed = -1;
+            const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), seed);
+            const bool whole = error == std::errc{} && end == value.data() + value.size();
+            if (!whole || seed < 0 || seed > kGreatestSeed)
+              return fmt::format("expected a whole number from 0 to {}, found '{}'", kGreatestSeed, value);
+            value = std::to_string(seed);  // without leading zeros, which the parser takes for octal
+            return std::string();
+          },
+          fmt::format("in [0 - {}]", kGreatestSeed)};
 }
 
 CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& names) {

@@ -68,7 +68,7 @@ void AddRecord(CLI::App* app, int threads, Action* action) {
   record->add_option("--speed", a->speed_m_s, "m/s (default: the route's)")->check(CLI::Range(0.01, 30.0));
   record->add_option("--truth-spacing", a->truth_spacing_m, "m between truth points; 0: no truth.ply")
       ->check(CLI::Range(0.0, 10.0));
-  record->add_option("--seed", a->seed, "seed of the noise");
+  record->add_option("--seed", a->seed, "seed of the noise")->check(SeedCheck());
   record->add_option("--noise", a->noise, "range noise and dropouts")->check(OneOf("noise", {"on", "off"}));
   AddThreads(record, &a->threads);
   record->callback([=] { *action = [=] { return RecordCommand(*a); }; });
