@@ -112,7 +112,8 @@ ExperimentConfig LoadExperiment(const std::string& name_or_path,
   fs::path path = name_or_path;
   if (path.extension() != ".yaml") {
     path = configs / (name_or_path + ".yaml");
-    if (!fs::exists(path)) {
+    std::error_code error;
+    if (!fs::exists(path, error)) {
       std::vector<std::string> names;
       for (const ExperimentEntry& entry : ListExperiments()) names.push_back(entry.name);
       throw core::InputError(core::UnknownName("experiment", name_or_path, names));

@@ -44,14 +44,26 @@ bool Make(const fs::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), error);
   const bool made = fs::create_directory(folder, error);
-  if (error || !fs::is_directory(folder))
+  std::error_code unseen;
+  if (error || !fs::is_directory(folder, unseen))
     CannotMake(folder, error ? error : std::make_error_code(std::errc::not_a_directory));
   return made;
 }
 
 void RemoveRun(const fs::path& folder) {
-  for (const char* name : kRunFiles) fs::remove(folder / name);
-  for (const char* name : {"scene", "robot"}) fs::remove_all(folder / name);
+  const auto check = [&](const char* name, const std::error_code& error) {
+    if (!error) return;
+    throw core::InputError(fmt::format("{}: cannot remove ({})", (folder / name).string(), error.message()));
+  };
+  std::error_code error;
+  for (const char* name : kRunFiles) {
+    fs::remove(folder / name, error);
+    check(name, error);
+  }
+  for (const char* name : {"scene", "robot"}) {
+    fs::remove_all(folder / name, error);
+    check(name, error);
+  }
 }
 
 void SetRow(ExperimentConfig* config, const std::string& path, const std::string& value) {

@@ -97,11 +97,13 @@ int RenderCommand(const RenderArguments& arguments) {
   params.camera = CameraOf(arguments);
   const fs::path run = arguments.what, file = run / kRecordingFile;
   fs::path out;
+  std::error_code error;
   if (arguments.plan) {
-    if (!fs::is_directory(run)) throw core::InputError("render: " + run.string() + ": no such run folder");
+    if (!fs::is_directory(run, error))
+      throw core::InputError("render: " + run.string() + ": no such run folder");
     out = OutputOf(arguments, run / "plan.png");
     WritePng(out, PlanPicture(run));
-  } else if (fs::exists(run) && run.extension() != ".yaml") {
+  } else if (fs::exists(run, error) && run.extension() != ".yaml") {
     const RunRecording recording = LoadRecording(file);
     out = OutputOf(arguments, run / (arguments.still ? "still.png" : "video.mp4"));
     if (arguments.still) {

@@ -1,4 +1,5 @@
 // The program as a user meets it: its answers to bad input, and a run that is interrupted.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -36,9 +37,14 @@ TEST_F(CommandLine, BadValuesNameKeyValueAndLimit) {
   ExpectRefusal("run helicopter --set planner.nodes=many",
                 {"planner.nodes", "expected a whole number", "many"});
   ExpectRefusal("run helicopter --set mapper.resolution_m=nan", {"mapper.resolution_m", "nan"});
-  ExpectRefusal("run helicopter --set planner.noodles=3", {"noodles", "did you mean 'nodes'"});
+  ExpectRefusal("run helicopter --set planner.noodles=3", {"noodles", "did you mean 'planner.nodes'"});
   ExpectRefusal("run helicopter --set nodes", {"expected section.key=value"});
-  ExpectRefusal("run helicopter --seed x", {"--seed"});
+  for (const char* command : {"run helicopter", "record house"}) {
+    for (const char* seed : {"x", "-1", "2147483648", "99999999999999999999", "1.5", "0x10", "''"}) {
+      ExpectRefusal(fmt::format("{} --seed {}", command, seed), {"--seed", seed, "0 to 2147483647"});
+    }
+  }
+  ExpectRefusal("run helicopter --set planner=", {"--set planner=", "empty"});
   ExpectRefusal("run helicopter --threads 0", {"--threads"});
 }
 
@@ -51,6 +57,12 @@ TEST_F(CommandLine, BadFilesAreNamed) {
   ExpectRefusal("run range.yaml", {"range.yaml:2", "locomotion.speed_mps", "40"});
   ExpectRefusal("run missing.yaml", {"missing.yaml", "no such file"});
   ExpectRefusal("run helicopter --set robot=nowhere/robot.xml", {"nowhere/robot.xml"});
+  const std::string name(300, 'x');
+  ExpectRefusal("run helicopter --set robot=" + name + ".xml", {name});
+  ExpectRefusal("run " + name, {name});
+  ExpectRefusal("render " + name, {name});
+  ExpectRefusal("render --plan " + name, {name});
+  ExpectRefusal("run car --out " + name, {name});
   Write("blocker", "a file where a folder should be");
   ExpectRefusal("run car --out blocker/run", {"blocker/run"});
 }
