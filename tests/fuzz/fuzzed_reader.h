@@ -21,7 +21,7 @@ struct FuzzedReader {
 
 std::vector<FuzzedReader> LogReaders();    ///< clouds, poses, graphs, beams, whole logs
 std::vector<FuzzedReader> MapReaders();    ///< map.atlas
-std::vector<FuzzedReader> SceneReaders();  ///< scene files and meshes
+std::vector<FuzzedReader> SceneReaders();  ///< scene files, meshes and robots
 std::vector<FuzzedReader> RunReaders();    ///< experiments, sweeps, recordings, routes
 
 /// Appends a number as it lies in memory.

@@ -39,7 +39,7 @@ std::vector<FuzzedReader> RunReaders() {
       "seeds: [1, 2]\nestimate_s: 60\n";
   return {
       {"experiment.yaml",
-       {experiment},
+       {experiment, "planner: {name: thesis, nodes: &n 30}\nmission: {max_scans: *n}\n"},
        [](auto, auto& file) { experiments::LoadExperiment(file.string(), {}); },
        true},
       {"sweep.yaml", {sweep}, [](auto, auto& file) { experiments::LoadSweep(file.string()); }, true},

@@ -1,4 +1,5 @@
 #include "core/files.h"
+#include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 #include "scenes/mesh_import.h"
 #include "tests/fuzz/fuzzed_reader.h"
@@ -69,7 +70,11 @@ std::vector<FuzzedReader> SceneReaders() {
   return {{"scene.yaml", {kScene}, [](auto, auto& file) { scenes::LoadSceneFile(file); }, true},
           {"mesh.ply", {kPly, BinaryPly()}, ReadMesh, true},
           {"mesh.obj", {kObj}, ReadMesh, true},
-          {"mesh.stl", {kStl, BinaryStl()}, ReadMesh, true}};
+          {"mesh.stl", {kStl, BinaryStl()}, ReadMesh, true},
+          {"robot.xml",
+           {core::ReadFile(core::InstalledFile("robots/quadruped.xml"))},
+           [](auto, auto& file) { robots::LoadRobot(file.string()); },
+           true}};
 }
 
 }  // namespace atlas::fuzz
