@@ -57,7 +57,7 @@ TEST_F(CommandLine, BadFilesAreNamed) {
   ExpectRefusal("run range.yaml", {"range.yaml:2", "locomotion.speed_mps", "40"});
   ExpectRefusal("run missing.yaml", {"missing.yaml", "no such file"});
   ExpectRefusal("run helicopter --set robot=nowhere/robot.xml", {"nowhere/robot.xml"});
-  const std::string name(300, 'x');
+  const std::string name = fmt::format("{:x>300}", "");
   ExpectRefusal("run helicopter --set robot=" + name + ".xml", {name});
   ExpectRefusal("run " + name, {name});
   ExpectRefusal("render " + name, {name});

@@ -117,7 +117,7 @@ TEST_F(ParamFiles, ExtendsIsOneNameAndEndsHoweverItIsSpelt) {
   EXPECT_NE(Refusal("extends: ./b\n").find("extends itself through "), std::string::npos);
   fs::create_symlink(dir_ / "a.yaml", dir_ / "link.yaml");
   EXPECT_NE(Refusal("extends: link\n").find("extends itself through "), std::string::npos);
-  const std::string longest(300, 'x');
+  const std::string longest = fmt::format("{:x>300}", "");
   EXPECT_NE(Refusal("extends: " + longest + "\n").find(path + ":1: extends '" + longest + "', but there is"),
             std::string::npos);
   for (int i = 1; i < 16; ++i) Write(fmt::format("c{}.yaml", i), fmt::format("extends: c{}\n", i - 1));

@@ -1,6 +1,7 @@
 // Sensor mounts as the robot's model states them, and models that lack what the simulator needs.
 #include "robots/robot_spec.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -94,7 +95,7 @@ TEST_F(RobotFile, SiblingsAreNotDepthAndMarkupInTextsAndCommentsIsNone) {
 }
 
 TEST_F(RobotFile, ANameThatNoFileCanHaveIsMissing) {
-  const std::string name = std::string(300, 'x') + ".xml";
+  const std::string name = fmt::format("{:x>300}.xml", "");
   EXPECT_EQ(RefusalOf(name), name + ": no such file");
   EXPECT_NE(RefusalOf(folder_.string() + "/..xml").find("no such file"), std::string::npos);
 }

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -60,7 +61,7 @@ TEST_F(SceneFile, WhatIsAmbiguousOrEndlessIsRefusedByFileAndLine) {
   EXPECT_EQ(ErrorOf(kHead + box + "---\n" + box), file + ":4: a second document (a file holds one)");
   EXPECT_EQ(ErrorOf(kHead + "parts: &a [*a]\n"), file + ":3: an alias stands inside of what it names");
   EXPECT_EQ(ErrorOf(kHead + box + "? [a]\n: 1\n"), file + ":4: a key must be plain text");
-  const std::string name(300, 'x');
+  const std::string name = fmt::format("{:x>300}", "");
   EXPECT_NE(ErrorOf(kHead + "parts: [{mesh: " + name + ".obj}]\n").find(name + ".obj: no such file"),
             std::string::npos);
 }
