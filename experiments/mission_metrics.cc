@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/resource.h>
 
 #include "core/files.h"
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"
 #include "experiments/metrics/scored_files.h"
+#include "experiments/resource_use.h"
 #include "experiments/run_identity.h"
 #include "experiments/run_labels.h"
 #include "experiments/thesis_deviations.h"
@@ -66,12 +66,6 @@ std::string PartsCsv(const scenes::GroundTruth& truth, const std::vector<uint8_t
   return csv;
 }
 
-double PeakRssBytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 }  // namespace
 
 MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions& options,
@@ -80,7 +74,6 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
       options_(options),
       scene_(scene),
       recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config, options))),
-      log_rng_(options.seed),
       ground_(robot.half_width_m, robot.footprint_radius_m) {
   core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
   options_.progress("sampling the ground truth", false);
@@ -218,7 +211,7 @@ void MissionMetrics::Save(const mapping::Mapper& mapper) {
     summary.footholds_off_solid = safety.footholds_off_solid;
     summary.worst_foot_drop_m = safety.worst_foot_drop_m;
   }
-  summary.peak_rss_bytes = PeakRssBytes();
+  summary.peak_rss_bytes = PeakResidentBytes();
   if (volume_ && score_.explored_m3) {
     summary.explored_volume_m3 = score_.explored_m3;
     summary.explored_volume_attainable_m3 = volume_->attainable_m3();

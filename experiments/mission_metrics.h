@@ -83,7 +83,6 @@ class MissionMetrics {
   Score scored_, score_;  ///< as computed, as adopted
   std::unique_ptr<RunRecorder> recorder_;
   sim::Simulator* simulator_ = nullptr;
-  core::Rng log_rng_;
   std::string log_;           ///< lines that stay
   double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
   GroundPlan ground_;

@@ -1,7 +1,6 @@
 #include "experiments/metrics/run_recorder.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <cmath>
 
@@ -9,6 +8,7 @@
 #include "experiments/metrics/run_files.h"
 #include "experiments/metrics/statistics.h"
 #include "experiments/report/svg_plot.h"
+#include "experiments/resource_use.h"
 
 namespace atlas::experiments {
 namespace {
@@ -19,12 +19,6 @@ std::string TumLine(double time_s, const core::Pose& T) {
   const core::Vec3& p = T.translation();
   return fmt::format("{:.4f} {:.6f} {:.6f} {:.6f} {:.7f} {:.7f} {:.7f} {:.7f}\n", time_s, p.x(), p.y(), p.z(),
                      q.x(), q.y(), q.z(), q.w());
-}
-
-double PeakRssBytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024.0;
 }
 
 /// Simulated time of the first scan whose share of the attainable reached `share`.
@@ -124,7 +118,7 @@ void RunRecorder::Summarise() {
   if (summary_.wall_time_s && *summary_.wall_time_s > 0.0) {
     summary_.real_time_factor = summary_.sim_time_s.value_or(0.0) / *summary_.wall_time_s;
   }
-  summary_.peak_rss_bytes = PeakRssBytes();
+  summary_.peak_rss_bytes = PeakResidentBytes();
   if (steps_.empty()) return;
 
   const StepRow& last = steps_.back();
