@@ -233,7 +233,7 @@ void MissionMetrics::RecordBlockedWays(RunSummary* summary) {
   summary->blocked_ways = static_cast<double>(blocked_.size());
   if (step_.outcome != NameOf(planner::NbvOutcome::kBlockedNarrow)) return;
   for (const planner::BlockedWay& way : blocked_) {
-    if (way.worth_share < config_.planner.blocked_share) continue;
+    if (way.worth_share.value_or(0.0) < config_.planner.blocked_share) continue;
     Note("blocked_narrow " + TextOf(way));
     summary->blocked_at += (summary->blocked_at.empty() ? "" : "; ") + TextOf(way);
   }

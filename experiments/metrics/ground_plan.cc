@@ -170,8 +170,8 @@ std::string TextOf(const planner::BlockedWay& way) {
 std::string BlockedWaysCsv(const std::vector<planner::BlockedWay>& ways) {
   std::string csv = "x_m,y_m,width_m,needed_m,worth_share\n";
   for (const planner::BlockedWay& way : ways) {
-    csv += fmt::format("{:.3f},{:.3f},{:.3f},{:.3f},{:.4f}\n", way.p_map.x(), way.p_map.y(), way.width_m,
-                       way.needed_m, way.worth_share);
+    csv += fmt::format("{:.3f},{:.3f},{:.3f},{:.3f},{}\n", way.p_map.x(), way.p_map.y(), way.width_m,
+                       way.needed_m, way.worth_share ? fmt::format("{:.4f}", *way.worth_share) : "");
   }
   return csv;
 }
@@ -184,11 +184,15 @@ std::vector<planner::BlockedWay> LoadBlockedWays(const std::filesystem::path& fo
   std::vector<planner::BlockedWay> ways;
   for (int number = 2; std::getline(text, line); ++number) {
     if (line.empty()) continue;
+    const bool judged = !line.ends_with(',');
     std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream cells(line);
     planner::BlockedWay way;
-    if (!(cells >> way.p_map.x() >> way.p_map.y() >> way.width_m >> way.needed_m >> way.worth_share))
-      throw InputError(fmt::format("{}:{}: expected five numbers", file, number));
+    double share = 0.0;
+    cells >> way.p_map.x() >> way.p_map.y() >> way.width_m >> way.needed_m;
+    if (judged) cells >> share;
+    if (!cells) throw InputError(fmt::format("{}:{}: expected five numbers", file, number));
+    if (judged) way.worth_share = share;
     ways.push_back(way);
   }
   return ways;

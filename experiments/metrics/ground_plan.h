@@ -76,7 +76,7 @@ GroundImage LoadGroundImage(const std::filesystem::path& folder);
 
 /// "at (3.2, 1.0): 0.55 m wide, 0.66 m needed".
 std::string TextOf(const planner::BlockedWay& way);
-/// x_m, y_m, width_m, needed_m, worth_share; a line a way.
+/// x_m, y_m, width_m, needed_m, worth_share (empty where no plan judged it); a line a way.
 std::string BlockedWaysCsv(const std::vector<planner::BlockedWay>& ways);
 /// Reads them back (without the places beyond). @throws InputError for a missing or malformed file.
 std::vector<planner::BlockedWay> LoadBlockedWays(const std::filesystem::path& folder);

@@ -163,8 +163,9 @@ RgbImage PlanPicture(const fs::path& run_folder) {
   for (const planner::BlockedWay& way : LoadBlockedWays(run_folder)) {
     canvas.Cross(way.p_map, kBlocked);
     canvas.Label(way.p_map, std::to_string(++number), kBlocked);
-    canvas.Legend(kBlocked,
-                  fmt::format("{}: {}, worth {:.0f} %", number, TextOf(way), 100.0 * way.worth_share), 1);
+    const std::string worth =
+        way.worth_share ? fmt::format(", worth {:.0f} %", 100.0 * *way.worth_share) : "";
+    canvas.Legend(kBlocked, fmt::format("{}: {}{}", number, TextOf(way), worth), 1);
   }
   return canvas.Take();
 }

@@ -305,9 +305,9 @@ std::vector<core::Vec3> BlockedWays::PlacesBeyond() const {
 void BlockedWays::SetWorth(const std::vector<double>& shares) {
   size_t next = 0;
   for (BlockedWay& way : ways_) {
-    way.worth_share = 0.0;
-    for (size_t k = 0; k < way.beyond_map.size(); ++k)
-      way.worth_share = std::max(way.worth_share, shares[next++]);
+    double best = 0.0;
+    for (size_t k = 0; k < way.beyond_map.size(); ++k) best = std::max(best, shares[next++]);
+    way.worth_share = best;
   }
 }
 

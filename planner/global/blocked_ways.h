@@ -1,6 +1,7 @@
 // Ways that are too narrow for the robot, and the ground beyond them: what planning leaves out, by name.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "planner/candidates/candidates.h"
@@ -15,7 +16,8 @@ struct BlockedWay {
   /// What the robot needs: the width of its footprint, or, where that fits, of its turning circle.
   double needed_m = 0.0;
   std::vector<core::Vec3> beyond_map;  ///< ground points beyond it, spread out
-  double worth_share = 0.0;  ///< of the best view from there over the best of all plans; once judged
+  /// Of the best view from there over the best of all plans; nothing where no plan judged it.
+  std::optional<double> worth_share = std::nullopt;
 };
 
 /// What the robot needs.

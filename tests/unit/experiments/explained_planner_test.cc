@@ -68,7 +68,7 @@ void Tell(const NbvDecision& decision, Digest* told) {
     told->Add(c.extra_gains);
     told->Add(c.reason);
   }
-  for (const planner::BlockedWay& way : decision.blocked) told->Add(way.worth_share);
+  for (const planner::BlockedWay& way : decision.blocked) told->Add(way.worth_share.value_or(0.0));
 }
 
 /// Sweeps bring ever less. The second way ends early, with the robot turned

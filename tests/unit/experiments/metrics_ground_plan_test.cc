@@ -178,24 +178,26 @@ TEST_F(GroundPlanFiles, DamagedImagesAreRefusedByName) {
 
 TEST_F(GroundPlanFiles, BlockedWaysAreALineEachAndAreReadBack) {
   const std::vector<planner::BlockedWay> ways = {{Vec2(3.2, 1.0), 0.55, 0.66, {}, 0.25},
-                                                 {Vec2(-2.125, 0.5), 0.9, 1.1, {}, 1.5}};
+                                                 {Vec2(-2.125, 0.5), 0.9, 1.1, {}, 1.5},
+                                                 {Vec2(4.0, 2.0), 0.4, 0.66, {}, {}}};  // not judged
   EXPECT_EQ(TextOf(ways[0]), "at (3.2, 1.0): 0.55 m wide, 0.66 m needed");
   const std::string csv = BlockedWaysCsv(ways);
   EXPECT_EQ(csv,
             "x_m,y_m,width_m,needed_m,worth_share\n"
             "3.200,1.000,0.550,0.660,0.2500\n"
-            "-2.125,0.500,0.900,1.100,1.5000\n");
+            "-2.125,0.500,0.900,1.100,1.5000\n"
+            "4.000,2.000,0.400,0.660,\n");
   core::WriteFileAtomically(folder_ / "blocked_ways.csv", csv);
   const std::vector<planner::BlockedWay> read = LoadBlockedWays(folder_);
-  ASSERT_EQ(read.size(), 2u);
-  for (size_t i = 0; i < 2; ++i) {
+  ASSERT_EQ(read.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(read[i].p_map, ways[i].p_map);
     EXPECT_EQ(read[i].width_m, ways[i].width_m);
     EXPECT_EQ(read[i].needed_m, ways[i].needed_m);
     EXPECT_EQ(read[i].worth_share, ways[i].worth_share);
   }
   core::WriteFileAtomically(folder_ / "blocked_ways.csv", csv + "1,2,3\n");
-  ExpectRefusal([this] { LoadBlockedWays(folder_); }, {"blocked_ways.csv:4", "five numbers"});
+  ExpectRefusal([this] { LoadBlockedWays(folder_); }, {"blocked_ways.csv:5", "five numbers"});
 }
 
 }  // namespace

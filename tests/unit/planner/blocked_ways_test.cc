@@ -65,6 +65,22 @@ TEST(BlockedWays, TwoGapsAreTwoWays) {
   EXPECT_EQ(BlockedIn(ground).size(), 2u);
 }
 
+TEST(BlockedWays, AreWorthTheBestViewBeyondThemOnceJudged) {
+  const tests::FlatGround ground = WallWithGap(0.4);
+  const Walkable walkable(ground, Vec2(0.0, 0.0));
+  const CandidateTree tree = LatticeCandidates(walkable, 0.5);
+  BlockedWays ways;
+  ways.Learn(walkable, tree, FindBlockedWays(walkable, tree, Footprint{}));
+  ASSERT_EQ(ways.ways().size(), 1u);
+  EXPECT_FALSE(ways.ways()[0].worth_share.has_value());
+  std::vector<double> shares(ways.PlacesBeyond().size(), 0.0);
+  ways.SetWorth(shares);
+  EXPECT_EQ(ways.ways()[0].worth_share, 0.0);
+  shares.back() = 0.3;
+  ways.SetWorth(shares);
+  EXPECT_EQ(ways.ways()[0].worth_share, 0.3);
+}
+
 TEST(BlockedWays, AreKeptBeyondTheWindowAndForgottenWhereTheFarSideIsReached) {
   const tests::FlatGround near = WallWithGap(0.4);
   const Walkable walkable(near, Vec2(0.0, 0.0));
