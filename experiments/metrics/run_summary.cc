@@ -147,7 +147,9 @@ RunSummary SummaryFromJson(const std::string& text, const std::string& origin) {
   const auto known_status = RunStatusFromName(status);
   if (!known_status) reader.Fail(fmt::format("status: unknown value '{}'", status));
   summary.status = *known_status;
-  if (const auto known_reason = StopReasonFromName(reason)) summary.stop_reason = *known_reason;
+  const auto known_reason = StopReasonFromName(reason);
+  if (!known_reason) reader.Fail(fmt::format("stop_reason: unknown value '{}'", reason));
+  summary.stop_reason = *known_reason;
   return summary;
 }
 

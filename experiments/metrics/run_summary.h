@@ -83,8 +83,8 @@ struct RunSummary {
 
 /// summary.json as text, keys in DESIGN.md's order.
 std::string ToJson(const RunSummary& summary);
-/// @param origin the file's name, for messages. @throws InputError for malformed JSON, a missing `experiment`
-/// or `status`, an unknown status or a value of the wrong type.
+/// @param origin the file's name, for messages. @throws InputError for malformed JSON, a missing
+/// `experiment`, `status` or `stop_reason`, an unknown one of these two or a value of the wrong type.
 RunSummary SummaryFromJson(const std::string& text, const std::string& origin);
 
 /// Reads `run_folder`/summary.json. @throws InputError when it is missing or bad.

@@ -196,6 +196,12 @@ TEST_F(RunRecorderTest, DamagedSummariesAreNamedInOneLine) {
   EXPECT_NE(message("{\"status\": \"completed\"}").find("experiment: missing"), std::string::npos);
   EXPECT_NE(message("{\"experiment\": \"car\", \"status\": \"great\"}").find("status: unknown value 'great'"),
             std::string::npos);
+  EXPECT_NE(message("{\"experiment\": \"car\", \"status\": \"completed\", \"stop_reason\": \"bored\"}")
+                .find("stop_reason: unknown value 'bored'"),
+            std::string::npos);
+  EXPECT_NE(
+      message("{\"experiment\": \"car\", \"status\": \"completed\"}").find("stop_reason: unknown value ''"),
+      std::string::npos);
   EXPECT_NE(message("{\"experiment\": \"car\", \"status\": \"budget\", \"coverage\": \"x\"}")
                 .find("coverage: expected"),
             std::string::npos);
