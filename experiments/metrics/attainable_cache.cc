@@ -59,8 +59,8 @@ uint64_t AttainableKey(const scenes::SceneSpec& scene, const scenes::GroundTruth
   numbers(truth.normals);
   numbers(truth.two_sided);
   pose(robot.T_base_lidar);
-  for (const double v :
-       {robot.stance_height_m, robot.footprint_radius_m, robot.body_top_m, robot.max_step_m}) {
+  for (const double v : {robot.stance_height_m, robot.footprint_radius_m, robot.half_width_m,
+                         robot.body_top_m, robot.max_step_m}) {
     print.Value(v);
   }
   numbers(lidar.elevation_rad);

@@ -428,6 +428,9 @@ TEST_F(AttainableCacheTest, WhateverTheResultDependsOnChangesTheKey) {
   EXPECT_NE(key(), original);
   options_.sweep_roll_deg = 40.0;
   EXPECT_EQ(key(), original);
+  robots::RobotSpec narrow = TestRobot();
+  narrow.half_width_m -= 0.05;
+  EXPECT_NE(AttainableKey(world_.scene, truth_, narrow, TestLidar(), options_), original);
   truth_.two_sided.assign(truth_.points.size(), 1);
   EXPECT_NE(key(), original);
   world_.scene.parts[2].mesh.vertices[0].x() += 0.001f;
