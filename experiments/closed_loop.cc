@@ -193,7 +193,6 @@ void SaveWhatCanBe(Mission* m) {
 }  // namespace
 
 RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& options) {
-  core::RemoveStaleTemporaries(options.folder);
   core::RemoveStaleTemporaries(core::CacheDirectory());
   const ExperimentConfig config = KeepInputs(given, options.folder);  // what is run is what is kept
   Mission mission(config, options);

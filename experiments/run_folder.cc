@@ -2,17 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/errors.h"
+#include "core/files.h"
 #include "core/named_files.h"
+#include "experiments/metrics/run_summary.h"
 #include "robots/robot_files.h"
 #include "robots/robot_spec.h"
+#include "scenes/catalog.h"
 #include "scenes/scene_files.h"
+#include "sim/world_model.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
 namespace {
 
-/// What runs write; a forced run removes these, and nothing else that lies there.
+/// What runs write besides kInputFolders; a forced run removes these, and nothing else that lies there.
 constexpr const char* kRunFiles[] = {"summary.json",
                                      "config.yaml",
                                      "steps.csv",
@@ -34,6 +40,7 @@ constexpr const char* kRunFiles[] = {"summary.json",
                                      "exit_code",
                                      "video.mp4",
                                      "log.txt"};
+constexpr const char* kInputFolders[] = {"scene", "robot"};
 
 [[noreturn]] void CannotMake(const fs::path& folder, const std::error_code& error) {
   throw core::InputError(fmt::format("{}: cannot make this folder ({})", folder.string(), error.message()));
@@ -50,20 +57,54 @@ bool Make(const fs::path& folder) {
   return made;
 }
 
-void RemoveRun(const fs::path& folder) {
+/// All of a run but its summary.
+void RemoveResults(const fs::path& folder) {
   const auto check = [&](const char* name, const std::error_code& error) {
     if (!error) return;
     throw core::InputError(fmt::format("{}: cannot remove ({})", (folder / name).string(), error.message()));
   };
   std::error_code error;
   for (const char* name : kRunFiles) {
-    fs::remove(folder / name, error);
+    if (std::string_view(name) != "summary.json") fs::remove(folder / name, error);
     check(name, error);
   }
-  for (const char* name : {"scene", "robot"}) {
+  for (const char* name : kInputFolders) {
     fs::remove_all(folder / name, error);
     check(name, error);
   }
+}
+
+/// Whether `file` is below `folder`, as it is written or where its links lead.
+bool LiesIn(const fs::path& file, const fs::path& folder) {
+  const auto below = [](const fs::path& path, const fs::path& root) {
+    return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
+  };
+  const auto written = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
+  const fs::path root = fs::weakly_canonical(folder);
+  return below(fs::weakly_canonical(file), root) ||
+         below(fs::weakly_canonical(written(file).parent_path()), root) ||
+         below(written(file), written(folder / "").parent_path());
+}
+
+/// Of a folder that exists. @throws InputError where a run there would overwrite what is not another run's.
+void RefuseFolderInUse(const RunFolderRequest& request) {
+  const fs::path& folder = request.folder;
+  for (const fs::path& input : request.inputs) {
+    if (LiesIn(input, folder)) {
+      throw core::InputError(
+          fmt::format("{}: the run is made from {}, which lies there (choose another --out)", folder.string(),
+                      input.string()));
+    }
+  }
+  if (HoldsRun(folder)) {
+    if (request.force) return;
+    throw core::InputError(fmt::format("{}: holds a run already (--force to replace it)", folder.string()));
+  }
+  const std::string own = RunFileIn(folder);
+  if (own.empty()) return;
+  throw core::InputError(
+      fmt::format("{}: holds no run, but '{}', which a run would overwrite (choose another --out)",
+                  folder.string(), own));
 }
 
 void SetRow(ExperimentConfig* config, const std::string& path, const std::string& value) {
@@ -75,23 +116,70 @@ void SetRow(ExperimentConfig* config, const std::string& path, const std::string
 }  // namespace
 
 bool HoldsRun(const fs::path& folder) {
-  std::error_code error;
-  return fs::exists(folder / "summary.json", error) || fs::exists(folder / "config.yaml", error);
+  try {
+    LoadRunSummary(folder);
+    return true;
+  } catch (const core::InputError&) {
+    return false;  // none, or a file of the user's
+  }
 }
 
-fs::path OpenRunFolder(const fs::path& folder, bool numbered, bool force) {
-  if (force || !numbered) {
-    const bool made = Make(folder);
-    if (!made && HoldsRun(folder)) {
-      if (!force)
-        throw core::InputError(
-            fmt::format("{}: holds a run already (--force to replace it)", folder.string()));
-      RemoveRun(folder);
-    }
-    return folder;
+std::string RunFileIn(const fs::path& folder) {
+  const auto stands = [&](const char* name) {
+    return fs::symlink_status(folder / name).type() != fs::file_type::not_found;
+  };
+  for (const char* name : kInputFolders) {
+    if (stands(name)) return name;
   }
-  fs::path mine = folder;
-  for (int k = 2; !Make(mine); ++k) mine = fmt::format("{}-{}", folder.string(), k);
+  for (const char* name : kRunFiles) {
+    if (stands(name)) return name;
+  }
+  return "";
+}
+
+std::vector<fs::path> CheckedInputs(const ExperimentConfig& config, const std::string& experiment) {
+  const scenes::SceneSpec scene = scenes::LoadScene(config.scene.name);
+  const robots::RobotSpec robot = robots::LoadRobot(config.robot.name);
+  std::vector<fs::path> inputs = scenes::FilesOfScene(config.scene.name);
+  for (fs::path& file : robots::FilesOfRobot(config.robot.name)) inputs.push_back(std::move(file));
+  if (core::IsFileName(experiment)) inputs.emplace_back(experiment);
+  for (const core::ParamRow& row : config.rows) {
+    const fs::path file = row.origin.substr(0, row.origin.rfind(':'));  // "FILE:LINE"
+    std::error_code error;
+    if (core::IsFileName(file.string()) && fs::exists(file, error)) inputs.push_back(file);
+  }
+  std::sort(inputs.begin(), inputs.end());
+  inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
+  if (core::IsFileName(config.robot.name)) sim::CompileModel(scene, robot);
+  return inputs;
+}
+
+void ClaimRunFolder(const fs::path& folder, const std::string& experiment, uint64_t seed) {
+  RunSummary claim;  // interrupted
+  claim.experiment = experiment;
+  claim.seed = seed;
+  core::WriteFileAtomically(folder / "summary.json", ToJson(claim));
+}
+
+fs::path OpenRunFolder(const RunFolderRequest& request) {
+  fs::path mine = request.folder;
+  bool made = Make(mine);
+  if (request.numbered && !request.force) {
+    for (int k = 2; !made; ++k) {
+      mine = fmt::format("{}-{}", request.folder.string(), k);
+      made = Make(mine);
+    }
+  }
+  if (!made) RefuseFolderInUse(request);
+  core::RemoveStaleTemporaries(mine);
+  try {
+    ClaimRunFolder(mine, request.experiment, request.seed);
+  } catch (const core::InputError&) {
+    std::error_code error;
+    if (made) fs::remove(mine, error);
+    throw;
+  }
+  if (!made) RemoveResults(mine);
   return mine;
 }
 
@@ -110,9 +198,14 @@ ExperimentConfig KeepInputs(const ExperimentConfig& config, const fs::path& fold
 }
 
 void DiscardInputs(const fs::path& folder) {
-  if (HoldsRun(folder)) return;
+  try {
+    if (!LoadRunSummary(folder).config_hash.empty()) return;  // a run has begun
+  } catch (const core::InputError&) {
+    return;  // not of OpenRunFolder
+  }
   std::error_code error;
-  for (const char* name : {"scene", "robot"}) fs::remove_all(folder / name, error);
+  for (const char* name : kInputFolders) fs::remove_all(folder / name, error);
+  fs::remove(folder / "summary.json", error);
   fs::remove(folder, error);
 }
 

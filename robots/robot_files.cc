@@ -18,35 +18,33 @@ namespace {
 
 using boost::property_tree::ptree;
 
-/// Puts what `include` names, relative to `folder`, in its place. Returns whether there was any.
-bool ResolveIncludes(ptree* node, const fs::path& folder, int depth = 0) {
+/// Puts what `include` names, relative to `folder`, in its place, and appends these files to `included`.
+void ResolveIncludes(ptree* node, const fs::path& folder, std::vector<fs::path>* included, int depth = 0) {
   constexpr int kDeepest = 16;
-  bool any = false;
   for (auto at = node->begin(); at != node->end();) {
     if (at->first != "include") {
-      any = ResolveIncludes(&at->second, folder, depth) || any;
+      ResolveIncludes(&at->second, folder, included, depth);
       ++at;
       continue;
     }
     const fs::path file = folder / at->second.get("<xmlattr>.file", "");
     if (depth == kDeepest) throw core::InputError(file.string() + ": includes are nested too deeply");
-    ptree included = ReadXml(file);
-    ResolveIncludes(&included, folder, depth + 1);
+    included->push_back(file);
+    ptree content = ReadXml(file);
+    ResolveIncludes(&content, folder, included, depth + 1);
     at = node->erase(at);
-    for (const auto& root : included) node->insert(at, root.second.begin(), root.second.end());
-    any = true;
+    for (const auto& root : content) node->insert(at, root.second.begin(), root.second.end());
   }
-  return any;
 }
 
 struct Model {
   ptree tree;
-  bool one_file = true;  ///< nothing was included
+  std::vector<fs::path> included;
 };
 
 Model ReadModel(const fs::path& mjcf) {
-  Model model{ReadXml(mjcf)};
-  model.one_file = !ResolveIncludes(&model.tree, fs::absolute(mjcf).parent_path());
+  Model model{ReadXml(mjcf), {}};
+  ResolveIncludes(&model.tree, fs::absolute(mjcf).parent_path(), &model.included);
   return model;
 }
 
@@ -116,6 +114,16 @@ std::string RobotDigest(const std::string& name_or_path) {
   return mjcf.stem().string() + "-" + print.Hex();
 }
 
+std::vector<fs::path> FilesOfRobot(const std::string& name_or_path) {
+  const fs::path mjcf = LoadRobot(name_or_path).mjcf;
+  Model model = ReadModel(mjcf);
+  std::vector<fs::path> files = model.included;
+  files.push_back(mjcf);
+  ForEachFile(&model.tree, FoldersOf(model.tree, mjcf),
+              [&](ptree*, const fs::path& file) { files.push_back(file); });
+  return files;
+}
+
 fs::path CopyRobot(const std::string& name_or_path, const fs::path& folder) {
   const fs::path mjcf = LoadRobot(name_or_path).mjcf, copy = folder / mjcf.filename();
   Model model = ReadModel(mjcf);
@@ -125,7 +133,7 @@ fs::path CopyRobot(const std::string& name_or_path, const fs::path& folder) {
     attributes.push_back(attribute);
     files.push_back(file);
   });
-  if (files.empty() && model.one_file) {
+  if (files.empty() && model.included.empty()) {
     core::CopyFile(mjcf, copy);
     return mjcf.filename();
   }

@@ -74,6 +74,13 @@ std::string SceneDigest(const std::string& name_or_path) {
   return fs::path(name_or_path).stem().string() + "-" + print.Hex();
 }
 
+std::vector<fs::path> FilesOfScene(const std::string& name_or_path) {
+  if (IsBuiltIn(name_or_path)) return {};
+  std::vector<fs::path> files = Read(name_or_path).meshes;
+  files.emplace_back(name_or_path);
+  return files;
+}
+
 fs::path CopyScene(const fs::path& scene, const fs::path& folder) {
   SceneFile file = Read(scene);
   const std::vector<fs::path> names = core::CopyNames(file.meshes);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace atlas::scenes {
 
@@ -10,6 +11,9 @@ namespace atlas::scenes {
 /// program), else "STEM-HEX" over the file's fields and its meshes' bytes, wherever those lie.
 /// @throws InputError for an unknown name or files that cannot be read.
 std::string SceneDigest(const std::string& name_or_path);
+
+/// A scene file and its meshes; none of a built-in scene. @throws InputError for files that cannot be read.
+std::vector<std::filesystem::path> FilesOfScene(const std::string& name_or_path);
 
 /// Copies a scene file and its meshes to `folder`, the copy naming the copies; the digest stays the same.
 /// Comments are lost. Returns the copy's name in the folder. @throws InputError.

@@ -19,7 +19,12 @@ fs::path FolderFor(const RunArguments& arguments, const ExperimentConfig& config
   const bool numbered = arguments.out.empty();
   const fs::path wanted =
       numbered ? fs::path("runs") / config.experiment / std::to_string(config.seed) : arguments.out;
-  const fs::path folder = OpenRunFolder(wanted, numbered, arguments.force);
+  const fs::path folder = OpenRunFolder({.folder = wanted,
+                                         .numbered = numbered,
+                                         .force = arguments.force,
+                                         .inputs = CheckedInputs(config, arguments.experiment),
+                                         .experiment = config.experiment,
+                                         .seed = static_cast<uint64_t>(config.seed)});
   if (folder != wanted) {
     std::cerr << fmt::format("{} holds a run; this one goes to {}\n", wanted.string(), folder.string());
   }
@@ -38,11 +43,11 @@ int RunCommand(const RunArguments& arguments) {
   RunOptions options;
   options.seed = static_cast<uint64_t>(config.seed);
   options.threads = arguments.threads;
-  options.folder = FolderFor(arguments, config);
   options.should_stop = Interrupted;
   options.progress = [&](const std::string& text, bool final) { line.Show(text, final); };
   options.prepared = StopInOrderOnSignal;
   EndAtOnceOnSignal();
+  options.folder = FolderFor(arguments, config);
 
   RunSummary summary;
   try {

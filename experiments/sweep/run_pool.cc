@@ -11,6 +11,7 @@
 #include "core/safe_text.h"
 #include "core/text_lines.h"
 #include "experiments/report/tables.h"
+#include "experiments/run_folder.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
@@ -44,6 +45,22 @@ std::optional<RunSummary> SummaryOf(const fs::path& folder) {
   }
 }
 
+/// What an earlier attempt left must not be taken for this one's result; it stays a run, which --force
+/// replaces.
+void MarkInterrupted(const SweepRun& run) {
+  std::error_code error;
+  try {
+    ClaimLeftovers(run);
+    auto summary = SummaryOf(run.folder);
+    if (!summary) return;
+    summary->status = RunStatus::kInterrupted;
+    summary->stop_reason = StopReason::kSignal;
+    core::WriteFileAtomically(run.folder / "summary.json", ToJson(*summary));
+  } catch (const core::InputError&) {
+    fs::remove(run.folder / "summary.json", error);
+  }
+}
+
 /// Whatever its summary says, the run failed. What cannot be rewritten (a full disk) goes.
 void MarkFailed(const fs::path& folder) {
   std::error_code error;
@@ -66,6 +83,14 @@ bool EndedOtherwise(const fs::path& folder, RunStatus status) {
   const std::string text = core::ReadFile(folder / kExitCodeFile);
   const std::vector<std::string_view> words = core::SplitWords(text);
   return words.size() != 1 || core::ParseNumber<int>(words[0]) != ExitCodeOf(status);
+}
+
+void ClaimLeftovers(const SweepRun& run) {
+  std::error_code error;
+  const bool left = fs::exists(run.folder / "summary.json", error) ||
+                    (fs::exists(run.folder / kConsoleLog, error) && !RunFileIn(run.folder).empty());
+  if (!left || HoldsRun(run.folder)) return;
+  ClaimRunFolder(run.folder, core::FileNameFrom(fs::path(run.experiment).stem().string()), run.seed);
 }
 
 std::string LabelOf(const SweepRun& run) {
@@ -101,12 +126,11 @@ bool RunPool::RunAll() {
 }
 
 void RunPool::Start(const SweepRun& run) {
-  // What an earlier attempt left must not be taken for this one's result.
   std::error_code error;
-  fs::remove(run.folder / "summary.json", error);
   fs::remove(run.folder / kExitCodeFile, error);
+  MarkInterrupted(run);
   fs::create_directories(run.folder, error);
-  active_.push_back({&run, ChildProcess(CommandOf(run, options_), run.folder / "console.log"), Clock::now()});
+  active_.push_back({&run, ChildProcess(CommandOf(run, options_), run.folder / kConsoleLog), Clock::now()});
 }
 
 /// Less and less politely, by the time since it was first asked.
@@ -149,7 +173,7 @@ void RunPool::Report(const Active& active, const ChildExit& end) {
     const std::string how = active.asked > 0 ? fmt::format("no end within {:g} s", limit_s_)
                                              : fmt::format("{} {}", end.by_signal ? "signal" : "exit code",
                                                            end.by_signal ? end.code - 128 : end.code);
-    out_ << fmt::format("{} FAILED ({}): {}\n", head, how, LastLine(active.run->folder / "console.log"));
+    out_ << fmt::format("{} FAILED ({}): {}\n", head, how, LastLine(active.run->folder / kConsoleLog));
   }
   out_.flush();
 }

@@ -18,6 +18,13 @@ inline constexpr const char* kExitCodeFile = "exit_code";
 /// Whether the process that wrote a run folder is known to have ended otherwise than `status` says.
 bool EndedOtherwise(const std::filesystem::path& folder, RunStatus status);
 
+/// Of a run folder: what its process printed.
+inline constexpr const char* kConsoleLog = "console.log";
+
+/// Makes what a run of the sweep left, its summary lost or damaged, a broken run, which `run --force`
+/// replaces. Its log tells it from a folder of the user's. @throws InputError where that cannot be written.
+void ClaimLeftovers(const SweepRun& run);
+
 /// "car_greedy/3".
 std::string LabelOf(const SweepRun& run);
 

@@ -75,9 +75,10 @@ int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, cons
   std::string lines;
   for (const SweepRun& run : runs) {
     fs::create_directories(run.folder);
+    ClaimLeftovers(run);
     std::string line;
     for (const std::string& word : CommandOf(run, remote)) line += ShellQuoted(word) + " ";
-    const std::string log = ShellQuoted((run.folder / "console.log").string()),
+    const std::string log = ShellQuoted((run.folder / kConsoleLog).string()),
                       code = ShellQuoted((run.folder / kExitCodeFile).string());
     lines += fmt::format("rm -f -- {0}; {1}> {2} 2>&1 || echo $? > {0}\n", code, line, log);
   }

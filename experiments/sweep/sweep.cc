@@ -79,7 +79,7 @@ int Conclude(const std::vector<SweepRun>& runs, const SweepOptions& options, con
     if (!summary) {
       const std::string why = StandingOf(run).why;
       bad.push_back(fmt::format("{}: no result{} ({})", LabelOf(run), why.empty() ? "" : ", " + why,
-                                (run.folder / "console.log").string()));
+                                (run.folder / kConsoleLog).string()));
     } else if (ExitCodeOf(summary->status) != 0) {
       bad.push_back(
           fmt::format("{}: {} ({})", LabelOf(run), NameOf(summary->status), NameOf(summary->stop_reason)));

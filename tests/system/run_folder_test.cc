@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 
 #include "core/files.h"
 #include "tests/support/command_line.h"
@@ -29,6 +30,14 @@ class WholeRunFolder : public CommandLine {
                         "v -0.8 -0.8 0\nv 0.8 -0.8 0\nv 0.8 0.8 0\nv -0.8 0.8 0\nv 0 0 1.2\n"
                         "f 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
   }
+  /// All files of the test.
+  std::map<fs::path, std::string> Contents() const {
+    std::map<fs::path, std::string> contents;
+    for (const auto& file : fs::recursive_directory_iterator(dir_)) {
+      if (file.is_regular_file()) contents[file.path()] = ReadFile(file.path());
+    }
+    return contents;
+  }
   void ExpectSuccess(const std::string& arguments, const std::string& words = "") {
     const Outcome outcome = Atlas(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.text;
@@ -53,7 +62,54 @@ TEST_F(WholeRunFolder, MovedWithoutItsOriginalsItRendersAndRunsAgainToTheSameByt
   EXPECT_EQ(ReadFile(dir_ / "runs/walk/4/config.yaml"), ReadFile(dir_ / "elsewhere/kept/config.yaml"));
 
   ExpectSuccess("report runs elsewhere --out tables", "left out, same configuration and seed as another");
-  ExpectRefusal("run elsewhere/kept/config.yaml --out elsewhere/kept", {"elsewhere/kept", "--force"});
+  ExpectRefusal("run elsewhere/kept/config.yaml --out elsewhere/kept",
+                {"elsewhere/kept", "choose another --out"});
+  ExpectRefusal("run helicopter --out elsewhere/kept", {"elsewhere/kept", "--force"});
+}
+
+TEST_F(WholeRunFolder, NothingOfTheUsersIsTouched) {
+  WriteOriginals();
+  WriteFileAtomically(dir_ / "mine/scene/site.yaml", "# mine\n");
+  WriteFileAtomically(dir_ / "mine/config.yaml", "# mine too\n");
+  WriteFileAtomically(dir_ / "mine/scenes/typo.yaml", "spawn: {x: [}\n");
+  const auto before = Contents();
+  ExpectRefusal("run mine/exp/walk.yaml --out mine", {"mine", "is made from"});
+  ExpectRefusal("run mine/exp/walk.yaml --out mine --force", {"mine", "is made from"});
+  for (const char* force : {"", " --force"}) {
+    ExpectRefusal(std::string("run helicopter --out mine") + force, {"mine: holds no run, but 'scene'"});
+    ExpectRefusal(std::string("run helicopter --set robot=typo.xml --out mine") + force, {"typo.xml"});
+    ExpectRefusal(std::string("run mine/exp/walk.yaml --set scene=mine/scenes/typo.yaml --out mine") + force,
+                  {"typo.yaml"});
+  }
+  EXPECT_EQ(Contents(), before);
+}
+
+TEST_F(WholeRunFolder, ARunIsReplacedOnlyByOneWhoseInputsAreSound) {
+  WriteOriginals();
+  ExpectSuccess("run mine/exp/walk.yaml --seed 4 --out first");
+  WriteFileAtomically(dir_ / "first/notes.txt", "mine\n");
+  WriteFileAtomically(dir_ / "mine/bad.xml", "<mujoco/>\n");
+  const auto before = Contents();
+  ExpectRefusal("run first/config.yaml --out first --force", {"first", "choose another --out"});
+  ExpectRefusal("run mine/exp/walk.yaml --set scene=first/scene/tent.yaml --out first --force", {"first"});
+  ExpectRefusal("run mine/exp/walk.yaml --set robot=mine/bad.xml --out first --force", {"bad.xml"});
+  ExpectRefusal("run mine/exp/walk.yaml --set scene=absent.yaml --out first --force", {"absent.yaml"});
+  EXPECT_EQ(Contents(), before);
+  ExpectSuccess("run mine/exp/walk.yaml --seed 5 --out first --force");
+  EXPECT_EQ(ReadFile(dir_ / "first/notes.txt"), "mine\n");
+  EXPECT_NE(ReadFile(dir_ / "first/config.yaml"), before.at(dir_ / "first/config.yaml"));
+}
+
+TEST_F(WholeRunFolder, ASweepReplacesWhatAKilledRunLeft) {
+  WriteOriginals();
+  WriteFileAtomically(dir_ / "mine/two.yaml", "experiments: [exp/walk.yaml]\nseeds: 1\n");
+  ExpectSuccess("sweep mine/two.yaml --out swept", "1 runs: 1 new; 1 to run");
+  const fs::path summary = dir_ / "swept/walk/1/summary.json";
+  WriteFileAtomically(summary, ReadFile(summary).substr(0, 40));
+  ExpectSuccess("sweep mine/two.yaml --out swept", "1 broken (damaged); 1 to run");
+  fs::remove(summary);
+  ExpectSuccess("sweep mine/two.yaml --out swept", "1 new; 1 to run");
+  ExpectSuccess("sweep mine/two.yaml --out swept", "1 runs: 1 done; 0 to run");
 }
 
 TEST_F(WholeRunFolder, ASweepTellsWhatAnEditedExperimentMadeStale) {

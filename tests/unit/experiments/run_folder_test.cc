@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "experiments/metrics/run_summary.h"
 #include "experiments/run_identity.h"
 #include "scenes/catalog.h"
 
@@ -20,44 +23,130 @@ class RunFolderTest : public ::testing::Test {
   void Write(const std::string& name, const std::string& text) const {
     core::WriteFileAtomically(root_ / name, text);
   }
+  void WriteRun(const std::string& folder, const std::string& experiment) const {
+    RunSummary summary;
+    summary.experiment = experiment;
+    summary.config_hash = "1a2b";
+    Write(folder + "/summary.json", ToJson(summary));
+  }
+  RunFolderRequest Named(const std::string& folder, bool force = false) const {
+    return {.folder = root_ / folder, .force = force, .experiment = "walk", .seed = 7};
+  }
+  /// What is said against a folder; empty where it is taken.
+  static std::string Refusal(const RunFolderRequest& request) {
+    try {
+      OpenRunFolder(request);
+    } catch (const core::InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  /// All files below a folder of the test.
+  std::map<fs::path, std::string> Contents(const std::string& folder = "") const {
+    std::map<fs::path, std::string> contents;
+    for (const auto& file : fs::recursive_directory_iterator(root_ / folder)) {
+      if (file.is_regular_file()) contents[file.path()] = core::ReadFile(file.path());
+    }
+    return contents;
+  }
   const fs::path root_ = fs::temp_directory_path() / "atlas_run_folder";
 };
 
 TEST_F(RunFolderTest, ANumberedRunNeverTouchesAnEarlierOne) {
-  const fs::path one = root_ / "runs/car/1";
-  EXPECT_EQ(OpenRunFolder(one, true, false), one);
+  const RunFolderRequest one{.folder = root_ / "runs/car/1", .numbered = true, .experiment = "car"};
+  EXPECT_EQ(OpenRunFolder(one), root_ / "runs/car/1");
   Write("runs/car/1/summary.json", "first");
-  EXPECT_EQ(OpenRunFolder(one, true, false), root_ / "runs/car/1-2");  // made, and as yet empty
-  EXPECT_EQ(OpenRunFolder(one, true, false), root_ / "runs/car/1-3");
-  EXPECT_EQ(core::ReadFile(one / "summary.json"), "first");
+  EXPECT_EQ(OpenRunFolder(one), root_ / "runs/car/1-2");
+  EXPECT_EQ(OpenRunFolder(one), root_ / "runs/car/1-3");
+  EXPECT_EQ(core::ReadFile(root_ / "runs/car/1/summary.json"), "first");
 }
 
 TEST_F(RunFolderTest, ANamedFolderThatHoldsARunIsRefusedUnlessForced) {
-  Write("mine/summary.json", "first");
+  WriteRun("mine", "first");
   Write("mine/map.bt", "of the run before");
   Write("mine/scene/old.yaml", "x");
   Write("mine/notes.txt", "the user's own");
-  try {
-    OpenRunFolder(root_ / "mine", false, false);
-    FAIL();
-  } catch (const core::InputError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              (root_ / "mine").string() + ": holds a run already (--force to replace it)");
-  }
-  EXPECT_EQ(core::ReadFile(root_ / "mine/summary.json"), "first");
-  EXPECT_EQ(OpenRunFolder(root_ / "mine", false, true), root_ / "mine");
-  EXPECT_FALSE(fs::exists(root_ / "mine/summary.json"));
+  const auto before = Contents();
+  EXPECT_EQ(Refusal(Named("mine")),
+            (root_ / "mine").string() + ": holds a run already (--force to replace it)");
+  EXPECT_EQ(Contents(), before);
+  EXPECT_EQ(OpenRunFolder(Named("mine", true)), root_ / "mine");
   EXPECT_FALSE(fs::exists(root_ / "mine/map.bt"));
   EXPECT_FALSE(fs::exists(root_ / "mine/scene"));
   EXPECT_TRUE(fs::exists(root_ / "mine/notes.txt"));
+  const RunSummary claim = LoadRunSummary(root_ / "mine");
+  EXPECT_EQ(claim.experiment, "walk");
+  EXPECT_EQ(claim.seed, 7u);
+  EXPECT_EQ(claim.status, RunStatus::kInterrupted);
 }
 
 TEST_F(RunFolderTest, AFolderWithoutARunIsTaken) {
   Write("mine/notes.txt", "x");
-  EXPECT_EQ(OpenRunFolder(root_ / "mine", false, false), root_ / "mine");
+  EXPECT_EQ(OpenRunFolder(Named("mine")), root_ / "mine");
   Write("file", "x");
-  EXPECT_THROW(OpenRunFolder(root_ / "file", false, false), core::InputError);
-  EXPECT_THROW(OpenRunFolder(root_ / "file/run", true, false), core::InputError);
+  EXPECT_THROW(OpenRunFolder(Named("file")), core::InputError);
+  EXPECT_THROW(OpenRunFolder({.folder = root_ / "file/run", .numbered = true, .experiment = "walk"}),
+               core::InputError);
+}
+
+TEST_F(RunFolderTest, WhatIsNoRunsIsNeitherReplacedNorOverwritten) {
+  for (const char* own : {"scene/site.yaml", "robot/dog.xml", "config.yaml", "summary.json", "log.txt"}) {
+    const std::string folder = "own_" + fs::path(own).filename().string();
+    Write(folder + "/" + own, "{\"name\": \"the user's own\"}\n");
+    const auto before = Contents();
+    for (const bool force : {false, true}) {
+      const std::string refusal = Refusal(Named(folder, force));
+      EXPECT_NE(refusal.find("holds no run, but '" + fs::path(own).begin()->string() + "'"),
+                std::string::npos)
+          << refusal;
+      EXPECT_EQ(refusal.find("--force"), std::string::npos) << refusal;
+    }
+    EXPECT_EQ(Contents(), before) << own;
+  }
+}
+
+TEST_F(RunFolderTest, AFolderThatHoldsAnInputIsRefusedAndKept) {
+  WriteRun("run", "first");
+  Write("run/config.yaml", "x");
+  Write("elsewhere/scene.yaml", "x");
+  fs::create_directory_symlink(root_ / "run", root_ / "link");
+  fs::create_symlink(root_ / "elsewhere/scene.yaml", root_ / "run/linked.yaml");
+  const auto before = Contents();
+  const fs::path inputs[] = {root_ / "run/config.yaml", root_ / "link/config.yaml", root_ / "run/linked.yaml",
+                             root_ / "elsewhere/../run/config.yaml"};
+  for (const fs::path& input : inputs) {
+    for (const char* folder : {"run", "run/", "link", "elsewhere/../run"}) {
+      RunFolderRequest request = Named(folder, true);
+      request.inputs = {root_ / "elsewhere/scene.yaml", input};
+      EXPECT_NE(Refusal(request).find("is made from " + input.string()), std::string::npos)
+          << input << " " << folder;
+      EXPECT_EQ(Contents(), before);
+    }
+  }
+  RunFolderRequest request = Named("run", true);
+  request.inputs = {root_ / "elsewhere/scene.yaml", root_ / "run2/config.yaml"};
+  EXPECT_EQ(Refusal(request), "");
+}
+
+TEST_F(RunFolderTest, WhatIsDiscardedIsWhatWasMadeWhereNoRunHasBegun) {
+  OpenRunFolder(Named("new"));
+  Write("new/scene/copy.yaml", "x");
+  DiscardInputs(root_ / "new");
+  EXPECT_FALSE(fs::exists(root_ / "new"));
+
+  Write("mine/notes.txt", "x");
+  OpenRunFolder(Named("mine"));
+  DiscardInputs(root_ / "mine");
+  EXPECT_EQ(Contents("mine").size(), 1u);
+
+  Write("own/scene/site.yaml", "x");
+  DiscardInputs(root_ / "own");
+  EXPECT_TRUE(fs::exists(root_ / "own/scene/site.yaml"));
+
+  WriteRun("begun", "walk");
+  Write("begun/scene/copy.yaml", "x");
+  DiscardInputs(root_ / "begun");
+  EXPECT_TRUE(fs::exists(root_ / "begun/scene/copy.yaml"));
 }
 
 class KeptInputs : public RunFolderTest {
@@ -128,6 +217,25 @@ TEST_F(KeptInputs, BadScenesAreNamedByTheUsersFileAndNothingIsKept) {
     EXPECT_NE(std::string(error.what()).find("mine/scenes/shed.yaml:4"), std::string::npos) << error.what();
   }
   EXPECT_FALSE(fs::exists(root_ / "run/scene"));
+}
+
+TEST_F(KeptInputs, AreCheckedAndListedBeforeAnythingIsWritten) {
+  Write("mine/exp/base.yaml", "extends: helicopter\nplanner: {nodes: 20}\n");
+  Write("mine/exp/walk.yaml", "extends: base\nscene: ../scenes/shed.yaml\nrobot: ../dog.xml\n");
+  const std::string experiment = (root_ / "mine/exp/walk.yaml").string();
+  const std::vector<fs::path> inputs = CheckedInputs(Load(), experiment);
+  for (const char* name : {"mine/exp/walk.yaml", "mine/exp/base.yaml", "mine/scenes/shed.yaml",
+                           "mine/shed.obj", "mine/dog.xml"}) {
+    EXPECT_TRUE(std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {
+      return input.lexically_normal() == root_ / name;
+    })) << name;
+  }
+  std::string robot = core::ReadFile(root_ / "mine/dog.xml");
+  Write("mine/dog.xml", robot.replace(robot.find("armature"), 8, "armatura"));
+  EXPECT_THROW(CheckedInputs(Load(), experiment), core::InputError);
+  fs::remove(root_ / "mine/shed.obj");
+  EXPECT_THROW(CheckedInputs(Load(), experiment), core::InputError);
+  EXPECT_FALSE(fs::exists(root_ / "run"));
 }
 
 TEST(ExperimentNames, AreNamesOfFolders) {

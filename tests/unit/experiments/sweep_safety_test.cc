@@ -107,6 +107,35 @@ TEST_F(SweepSafety, AChildThatEndsOtherwiseThanItsSummarySaysHasFailed) {
   EXPECT_NE(out_.str().find("7 runs: 2 done, 5 broken"), std::string::npos) << out_.str();
 }
 
+TEST_F(SweepSafety, WhatIsRunAgainFindsABrokenRunInItsFolder) {
+  core::WriteFileAtomically(
+      root_ / "atlas",
+      std::string(kObedientAtlas)
+          .replace(0, 12, "#!/bin/bash\ncp \"${@: -1}/summary.json\" \"${@: -1}/found\" 2>&-\n"));
+  chmod((root_ / "atlas").c_str(), 0755);
+  const fs::path folder = options_.out / "completed/1";
+  Run({"completed"});
+  EXPECT_FALSE(fs::exists(folder / "found")) << "nothing was there";
+  for (const char* left :
+       {R"({"experiment": "x", "seed": 2, "status": "completed", "stop_reason": "explored"})",
+        R"({"experiment": "x", "se)", ""}) {
+    core::WriteFileAtomically(folder / "summary.json", left);
+    if (std::string(left).empty()) fs::remove(folder / "summary.json");
+    fs::remove(folder / "found");
+    Run({"completed"});
+    const RunSummary found = SummaryFromJson(core::ReadFile(folder / "found"), left);
+    EXPECT_EQ(found.status, RunStatus::kInterrupted) << left;
+    EXPECT_EQ(StatusIn("completed"), RunStatus::kCompleted);
+  }
+}
+
+TEST_F(SweepSafety, AFolderOfTheUsersIsNotTakenForARun) {
+  core::WriteFileAtomically(options_.out / "deaf/1/config.yaml", "mine");
+  spec_.limit_s = 0.3;
+  Run({"deaf"});
+  EXPECT_FALSE(fs::exists(options_.out / "deaf/1/summary.json"));
+}
+
 TEST_F(SweepSafety, AChildThatStopsAnsweringMeetsTheLimit) {
   spec_.limit_s = 0.4;
   const auto begin = std::chrono::steady_clock::now();

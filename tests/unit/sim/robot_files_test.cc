@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <set>
 
 #include "core/files.h"
 #include "robots/robot_spec.h"
@@ -65,6 +66,17 @@ TEST_F(RobotFiles, ACopyIsTheSameRobotWithoutTheOriginals) {
   const fs::path copy = root_ / "moved/robot/dog.xml";
   EXPECT_EQ(MeshesOf(copy), meshes);
   EXPECT_EQ(RobotDigest(copy.string()), digest);
+}
+
+TEST_F(RobotFiles, AllFilesOfARobotAreListed) {
+  const fs::path robot = WriteRobotWithMeshes();
+  std::string xml = core::ReadFile(robot);
+  core::WriteFileAtomically(root_ / "mine/parts/more.xml", "<mujoco></mujoco>");
+  core::WriteFileAtomically(robot, xml.insert(xml.rfind("</mujoco>"), "<include file=\"parts/more.xml\"/>"));
+  std::set<fs::path> files;
+  for (const fs::path& file : FilesOfRobot(robot.string())) files.insert(file.lexically_normal());
+  EXPECT_EQ(files, (std::set<fs::path>{robot, root_ / "mine/stl/hull.obj", root_ / "mine/other/hull.obj",
+                                       root_ / "mine/parts/more.xml"}));
 }
 
 TEST_F(RobotFiles, TheDigestFollowsModelAndMeshes) {
