@@ -29,7 +29,7 @@ struct Mission {
   Mission(const ExperimentConfig& config, const RunOptions& options)
       : config(config),
         options(options),
-        rng(options.seed),
+        rng(static_cast<uint64_t>(config.seed)),
         scene(scenes::LoadScene(config.scene.name)),
         robot(robots::LoadRobot(config.robot.name)),
         film(config, options),

@@ -11,7 +11,6 @@
 namespace atlas::experiments {
 
 struct RunOptions {
-  uint64_t seed = 1;
   int threads = 1;
   std::filesystem::path folder;  ///< the run folder, written as the run goes
   /// Called once all is built, before the robot moves. Until then the run folder says `interrupted`, and

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPoseLogRateHz = 10.0;
 
-RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) {
+RunSummary SummaryOf(const ExperimentConfig& config) {
   const RunIdentity identity = IdentityOf(config);
   RunSummary s;
   s.experiment = config.experiment;
@@ -38,7 +38,7 @@ RunSummary SummaryOf(const ExperimentConfig& config, const RunOptions& options) 
   s.config_hash = identity.config_hash;
   s.scene_hash = identity.settings.at("scene.name");
   s.robot_hash = identity.settings.at("robot.name");
-  s.seed = options.seed;
+  s.seed = static_cast<uint64_t>(config.seed);
   return s;
 }
 
@@ -73,7 +73,7 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
     : config_(config),
       options_(options),
       scene_(scene),
-      recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config, options))),
+      recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config))),
       ground_(robot.half_width_m, robot.footprint_radius_m) {
   core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
   options_.progress("sampling the ground truth", false);

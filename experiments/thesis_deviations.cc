@@ -48,9 +48,7 @@ void NameChoices(const ExperimentConfig& config, std::vector<std::string>* out) 
                   planner.stop_utility, planner.visited_threshold_m, planner.behind_penalty, planner.headings,
                   planner.rays));
   out->emplace_back(
-      "where no ground about the robot looks walkable it goes back the way it came, turns, then steps aside "
-      "(not "
-      "said)");
+      "where no ground about it looks walkable the robot goes back, turns, then steps aside (not said)");
 }
 
 }  // namespace

@@ -41,7 +41,6 @@ int RunCommand(const RunArguments& arguments) {
 
   ProgressLine line;
   RunOptions options;
-  options.seed = static_cast<uint64_t>(config.seed);
   options.threads = arguments.threads;
   options.should_stop = Interrupted;
   options.progress = [&](const std::string& text, bool final) { line.Show(text, final); };

@@ -9,8 +9,8 @@ namespace {
 using core::Vec2;
 
 constexpr double kCell_m = 0.05;
-constexpr int kHalfTurnHeadings =
-    24;  ///< over half a turn: a footprint fits forwards where it fits backwards
+/// A footprint fits forwards where it fits backwards.
+constexpr int kHalfTurnHeadings = 24;
 constexpr double kCheckSpacing_m = 0.10;
 constexpr double kEscape_m = 0.45;
 constexpr double kInnerDisc_m = 0.35;

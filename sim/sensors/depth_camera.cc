@@ -10,7 +10,7 @@ namespace {
 /// The clip planes stand off the sensor's limits, so that the limits are applied to metres, not to clipping.
 constexpr double kNearShare = 0.25;
 constexpr double kFarMarginM = 0.05;
-constexpr float kSelfMarginDepthM = 0.02f;
+constexpr float kBodyMarginM = 0.02f;
 
 /// Colours do not matter to depth.
 ColoredMesh Plain(const core::TriMesh& mesh) {
@@ -39,8 +39,7 @@ void DepthCamera::Impl::MaskBodies(const RenderCamera& camera, std::vector<float
   const std::vector<float> own_m = renderer->RenderDepth(camera, model.width, model.height);
   renderer->SetVisible(scene, true);
   for (size_t i = 0; i < own_m.size(); ++i) {
-    if (own_m[i] <= (*depth_m)[i] + kSelfMarginDepthM)
-      (*depth_m)[i] = std::numeric_limits<float>::quiet_NaN();
+    if (own_m[i] <= (*depth_m)[i] + kBodyMarginM) (*depth_m)[i] = std::numeric_limits<float>::quiet_NaN();
   }
 }
 

@@ -29,6 +29,7 @@ sensors: {depth_camera: false, walking_spin_stride: 5}
 mapper: {resolution_m: 0.1}
 planner: {terrain: {cell_m: 0.06}}
 mission: {max_scans: 2, truth_spacing_m: 0.05}
+seed: 3
 )";
     core::WriteFileAtomically(folder_ / "bare.yaml", bare);
     core::WriteFileAtomically(folder_ / "tiny.yaml", R"(
@@ -48,13 +49,10 @@ planner: {nodes: 6, rays: 100, headings: 2, lattice_m: 1.0, rrt_star_iterations:
     return experiments::LoadExperiment((folder_ / "bare.yaml").string(), assignments);
   }
   /// Runs it into folder()/NAME.
-  experiments::RunSummary Run(const std::vector<std::string>& assignments, const std::string& name,
-                              uint64_t seed = 3) const {
+  experiments::RunSummary Run(const std::vector<std::string>& assignments, const std::string& name) const {
     experiments::RunOptions options;
-    options.seed = seed;
     options.folder = folder_ / name;
-    const experiments::ExperimentConfig config = Load(assignments);
-    return experiments::RunClosedLoop(config, options);
+    return experiments::RunClosedLoop(Load(assignments), options);
   }
   std::string FileOf(const std::string& name, const std::string& file) const {
     return core::ReadFile(folder_ / name / file);

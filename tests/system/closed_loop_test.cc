@@ -21,11 +21,10 @@ class ClosedLoop : public ::testing::TestWithParam<std::string> {
   RunSummary Run(const std::string& experiment, int threads, const std::string& name,
                  std::vector<std::string> assignments = {}) {
     for (const char* assignment :
-         {"mission.max_scans=3", "mission.truth_spacing_m=0.03", "planner.nodes=25"}) {
+         {"seed=5", "mission.max_scans=3", "mission.truth_spacing_m=0.03", "planner.nodes=25"}) {
       assignments.insert(assignments.begin(), assignment);
     }
     RunOptions options;
-    options.seed = 5;
     options.threads = threads;
     options.folder = dir_ / name;
     return RunClosedLoop(LoadExperiment(experiment, assignments), options);

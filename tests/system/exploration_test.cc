@@ -34,16 +34,15 @@ class Exploration : public ::testing::TestWithParam<std::string> {
 
   RunSummary Explore(int threads, const std::string& name) {
     RunOptions options;
-    options.seed = 3;
     options.threads = threads;
     options.folder = dir_ / name;
     return RunClosedLoop(
         LoadExperiment(
             "car",
-            {"scene=" + (dir_ / "room.yaml").string(), "mapper=" + GetParam(), "mapper.resolution_m=0.1",
-             "mission.max_scans=2", "mission.truth_spacing_m=0.1", "locomotion=kinematic",
-             "locomotion.sweep_period_s=3", "sensors.depth_camera=false", "planner.nodes=12",
-             "planner.headings=4", "planner.rays=300", "planner.too_close_cost=false"}),
+            {"seed=3", "scene=" + (dir_ / "room.yaml").string(), "mapper=" + GetParam(),
+             "mapper.resolution_m=0.1", "mission.max_scans=2", "mission.truth_spacing_m=0.1",
+             "locomotion=kinematic", "locomotion.sweep_period_s=3", "sensors.depth_camera=false",
+             "planner.nodes=12", "planner.headings=4", "planner.rays=300", "planner.too_close_cost=false"}),
         options);
   }
   fs::path dir_ = fs::temp_directory_path() / ("atlas_room_" + std::to_string(::getpid()));

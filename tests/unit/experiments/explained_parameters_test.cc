@@ -47,7 +47,6 @@ class ExplainedParameters : public testing::Test {
 
   std::string Run(const ExperimentConfig& config) const {
     RunOptions options;
-    options.seed = static_cast<uint64_t>(config.seed);
     options.folder = missions_.folder() / "run";
     RunClosedLoop(config, options);
     const std::string remains = Remains(options.folder);

@@ -54,7 +54,7 @@ TEST(ThesisRows, NameEachChoiceThatDiffers) {
   EXPECT_FALSE(Names(faithful, "150"));
   EXPECT_TRUE(Names(faithful, "u_thres"));
   EXPECT_TRUE(Names(faithful, "each revolution"));
-  EXPECT_TRUE(Names(faithful, "turns, then steps aside"));
+  EXPECT_TRUE(Names(faithful, "turns, then steps aside (not said)"));
   EXPECT_TRUE(Names(DeviationsFromThesis(LoadExperiment("car", {"planner=thesis", "mission.max_scans=9"})),
                     "at most 9 scans"));
   const std::vector<std::pair<std::string, std::string>> changes = {

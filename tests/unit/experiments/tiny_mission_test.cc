@@ -61,8 +61,8 @@ TEST(TinyMission, TheGaitWalksOnThePerceivedMap) {
 
 TEST(TinyMission, AnotherSeedIsAnotherRun) {
   const tests::TinyMissions missions;
-  missions.Run({"mission.max_scans=1"}, "three", 3);
-  missions.Run({"mission.max_scans=1"}, "four", 4);
+  missions.Run({"mission.max_scans=1", "seed=3"}, "three");
+  missions.Run({"mission.max_scans=1", "seed=4"}, "four");
   for (const char* file : {"cloud.ply", "map.atlas"}) {
     EXPECT_TRUE(missions.FileOf("three", file) != missions.FileOf("four", file)) << file;
   }

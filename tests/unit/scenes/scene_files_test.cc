@@ -1,5 +1,6 @@
 #include "scenes/scene_files.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -22,11 +23,11 @@ class SceneFiles : public ::testing::Test {
   SceneFiles() {
     fs::remove_all(root_);
     Write("meshes/one/body.obj", kTetrahedron);
-    Write("meshes/two/body.obj", std::string(kTetrahedron) + "v 0.1 0.1 1.5\nf 2 3 5\n");
+    Write("meshes/two/body.obj", fmt::format("{}v 0.1 0.1 1.5\nf 2 3 5\n", kTetrahedron));
     Write("scenes/mine.yaml",
-          std::string(kSceneHead) +
-              "  - {mesh: ../meshes/one/body.obj}\n  - {mesh: " + (root_ / "meshes/two/body.obj").string() +
-              ", scale: 0.5}\n  - {primitive: box, size: [1, 1, 1], pose: {xyz: [0, 0, 1]}}\n");
+          fmt::format("{}  - {{mesh: ../meshes/one/body.obj}}\n  - {{mesh: {}, scale: 0.5}}\n"
+                      "  - {{primitive: box, size: [1, 1, 1], pose: {{xyz: [0, 0, 1]}}}}\n",
+                      kSceneHead, (root_ / "meshes/two/body.obj").string()));
   }
   ~SceneFiles() override { fs::remove_all(root_); }
   void Write(const std::string& name, const std::string& text) const {
@@ -69,7 +70,7 @@ TEST_F(SceneFiles, TheDigestFollowsFieldsAndMeshesNotComments) {
   EXPECT_NE(Digest(), digest);
   Write("scenes/mine.yaml", text);
   EXPECT_EQ(Digest(), digest);
-  Write("meshes/one/body.obj", std::string(kTetrahedron) + "\n");
+  Write("meshes/one/body.obj", fmt::format("{}\n", kTetrahedron));
   EXPECT_NE(Digest(), digest);
 }
 

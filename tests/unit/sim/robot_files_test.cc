@@ -1,5 +1,6 @@
 #include "robots/robot_files.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -41,7 +42,7 @@ class RobotFiles : public ::testing::Test {
     core::WriteFileAtomically(root_ / "mine/dog.xml", xml);
     core::WriteFileAtomically(root_ / "mine/stl/hull.obj", kTetrahedron);
     core::WriteFileAtomically(root_ / "mine/other/hull.obj",
-                              std::string(kTetrahedron) + "v 0 0 0.2\nf 2 3 5\n");
+                              fmt::format("{}v 0 0 0.2\nf 2 3 5\n", kTetrahedron));
     return root_ / "mine/dog.xml";
   }
   static int MeshesOf(const fs::path& mjcf) {
@@ -90,7 +91,7 @@ TEST_F(RobotFiles, TheDigestFollowsModelAndMeshes) {
   core::WriteFileAtomically(robot, heavier);
   EXPECT_NE(RobotDigest(robot.string()), digest);
   core::WriteFileAtomically(robot, xml);
-  core::WriteFileAtomically(root_ / "mine/stl/hull.obj", std::string(kTetrahedron) + "\n");
+  core::WriteFileAtomically(root_ / "mine/stl/hull.obj", fmt::format("{}\n", kTetrahedron));
   EXPECT_NE(RobotDigest(robot.string()), digest);
 }
 
