@@ -22,8 +22,6 @@ namespace {
 
 using core::Pose;
 
-constexpr int kMaxFailedWalks = 3;
-
 /// Everything that takes part in a mission, built from its configuration.
 struct Mission {
   Mission(const ExperimentConfig& config, const RunOptions& options)
@@ -147,7 +145,7 @@ std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDeci
   return std::nullopt;
 }
 
-std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, int* failed_walks) {
+std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, FailedWalks* failed_walks) {
   const planner::Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
   using Mapping = SensorFeed::Mapping;
   m->feed.SetMapping(m->config.mission.map_while_walking ? Mapping::kEverything : Mapping::kNothing);
@@ -157,14 +155,11 @@ std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, i
   m->metrics.ObserveWalk(walk, walking.seconds());
   m->odometry_distance_m += walk.odometry_distance_m;
   if (const auto ending = EndingOf(walk.status)) return ending;
-  *failed_walks = walk.status == sim::MotionStatus::kStuck ? *failed_walks + 1 : 0;
-  if (*failed_walks >= kMaxFailedWalks) return Ending{RunStatus::kStuck, StopReason::kStuck};
-  return std::nullopt;
+  return failed_walks->Observe(walk.status);
 }
 
 Ending RunMission(Mission* m) {
-  m->lanes.Post(kMapLane, [m] { m->metrics.SampleSurroundings(); });
-  int failed_walks = 0;
+  FailedWalks failed_walks;
   while (true) {
     m->metrics.BeginScan();
     m->metrics.Report("sweeping");

@@ -17,6 +17,13 @@ std::optional<Ending> EndingOf(sim::MotionStatus status) {
   return std::nullopt;
 }
 
+std::optional<Ending> FailedWalks::Observe(sim::MotionStatus walk) {
+  constexpr int kMost = 3;
+  count_ = walk == sim::MotionStatus::kStuck ? count_ + 1 : 0;
+  if (count_ < kMost) return std::nullopt;
+  return Ending{RunStatus::kStuck, StopReason::kStuck};
+}
+
 std::optional<Ending> EndingOf(NbvOutcome outcome, bool is_space) {
   switch (outcome) {
     case NbvOutcome::kView:

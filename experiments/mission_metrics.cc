@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <functional>
+#include <utility>
+
 #include "core/files.h"
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"
@@ -45,23 +49,16 @@ RunSummary SummaryOf(const ExperimentConfig& config) {
 /// What was to be had of each part, and what was had: coverage_by_part.csv.
 std::string PartsCsv(const scenes::GroundTruth& truth, const std::vector<uint8_t>& attainable,
                      const std::vector<uint8_t>& covered, const std::vector<uint8_t>& outer) {
-  std::vector<size_t> points(truth.part_names.size()), reach(points), got(points), front(points),
-      both(points);
-  for (size_t i = 0; i < truth.points.size(); ++i) {
-    const size_t part = truth.part[i];
-    ++points[part];
-    reach[part] += attainable[i];
-    got[part] += covered[i];
-    front[part] += outer[i];
-    both[part] += attainable[i] & outer[i];
-  }
+  std::vector<uint8_t> attained(outer.size());
+  std::transform(outer.begin(), outer.end(), attainable.begin(), attained.begin(), std::bit_and<uint8_t>());
+  const std::vector<PartCoverage> reach = CoverageByPart(truth, attainable),
+                                  got = CoverageByPart(truth, covered), front = CoverageByPart(truth, outer),
+                                  both = CoverageByPart(truth, attained);
   std::string csv = "part,area_m2,attainable,coverage,coverage_outer,coverage_of_attainable\n";
-  for (size_t k = 0; k < points.size(); ++k) {
-    const auto n = static_cast<double>(std::max<size_t>(1, points[k]));
+  for (size_t k = 0; k < reach.size(); ++k) {
+    const PartCoverage of_attainable{.name = "", .points = reach[k].covered, .covered = both[k].covered};
     csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", truth.part_names[k], truth.part_area_m2[k],
-                       static_cast<double>(reach[k]) / n, static_cast<double>(got[k]) / n,
-                       static_cast<double>(front[k]) / n,
-                       static_cast<double>(both[k]) / static_cast<double>(std::max<size_t>(1, reach[k])));
+                       reach[k].share(), got[k].share(), front[k].share(), of_attainable.share());
   }
   return csv;
 }
@@ -121,6 +118,7 @@ void MissionMetrics::ObserveMap(size_t cloud_points, double integration_ms, size
 }
 
 void MissionMetrics::SampleSurroundings() {
+  if (std::exchange(has_surroundings_, true)) return;
   meter_->SetSurroundings(SampleBackground(scene_, scene_.object_box.Inflated(0.3), 0.02));
 }
 
@@ -132,6 +130,7 @@ void MissionMetrics::TakeCloud(const mapping::ReturnCloud& cloud) {
 
 void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
   const Stopwatch measuring;
+  SampleSurroundings();
   meter_->Align();
   scored_.coverage_raw = meter_->coverage_raw();
   scored_.coverage = meter_->coverage();

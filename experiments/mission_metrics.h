@@ -1,6 +1,6 @@
 // What a mission is judged by. The only part of the loop that sees ground truth.
 //
-// The costly part (SampleSurroundings, TakeCloud, ScoreClouds) touches only the meter and its own results, so
+// The costly part (TakeCloud, ScoreClouds) touches only the meter and its own results, so
 // that it may run beside the rest, one call at a time; AdoptScore and Finish read them once it is over.
 #pragma once
 
@@ -31,8 +31,6 @@ class MissionMetrics {
   void ObserveSweep(const core::Pose& T_map_base);
   void ObserveMap(size_t cloud_points, double integration_ms, size_t new_surface);
 
-  /// Samples what stands around the object, which the cloud's error leaves out.
-  void SampleSurroundings();
   void TakeCloud(const mapping::ReturnCloud& cloud);
   /// Scores all clouds so far.
   void ScoreClouds(const mapping::Mapper& mapper);
@@ -58,6 +56,8 @@ class MissionMetrics {
  private:
   /// A line that stays, on the terminal and in log.txt.
   void Note(const std::string& line);
+  /// Samples what stands around the object, once: the cloud's error leaves it out.
+  void SampleSurroundings();
   /// Whether the last `mission.flat_scans` scans added less than `mission.flat_coverage` each, on average.
   bool CoverageIsFlat() const;
   void RecordBlockedWays(RunSummary* summary);
@@ -69,6 +69,7 @@ class MissionMetrics {
   scenes::GroundTruth truth_;
   std::vector<uint8_t> attainable_;
   std::unique_ptr<CoverageMeter> meter_;
+  bool has_surroundings_ = false;
   std::unique_ptr<ExploredVolume> volume_;  ///< of scenes to explore
   /// The meter's latest answers.
   struct Score {

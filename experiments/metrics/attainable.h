@@ -82,6 +82,9 @@ Attainable LoadOrComputeAttainable(const scenes::SceneSpec& scene, const scenes:
 /// Rays against the scene's own geometry, nothing of the robot's.
 CastRays SceneRays(const scenes::SceneSpec& scene, int threads);
 
+/// What a run's sensor, sweeps and score say of its attainable set.
+AttainableOptions AttainableOptionsFor(const ExperimentConfig& config, int threads);
+
 /// The attainable set of a run, from core::CacheDirectory() where it lies there; reports through
 /// options.progress.
 std::vector<uint8_t> AttainableFor(const ExperimentConfig& config, const RunOptions& options,

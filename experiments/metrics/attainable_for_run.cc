@@ -16,18 +16,22 @@ core::LidarModel LidarOf(const ExperimentConfig& config, const robots::RobotSpec
 
 }  // namespace
 
+AttainableOptions AttainableOptionsFor(const ExperimentConfig& config, int threads) {
+  AttainableOptions options;
+  options.radius_m = config.mission.coverage_radius_m;
+  options.max_range_m = config.mapper.integrator.max_range_m;
+  options.sweep_roll_deg = config.sim.locomotion.sweep_roll_deg;
+  options.sweep_period_s = config.sim.locomotion.sweep_period_s;
+  options.threads = threads;
+  return options;
+}
+
 std::vector<uint8_t> AttainableFor(const ExperimentConfig& config, const RunOptions& options,
                                    const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
                                    const scenes::GroundTruth& truth) {
-  const core::LidarModel lidar = LidarOf(config, robot);
-  AttainableOptions attainable;
-  attainable.radius_m = config.mission.coverage_radius_m;
-  attainable.max_range_m = config.mapper.integrator.max_range_m;
-  attainable.sweep_roll_deg = config.sim.locomotion.sweep_roll_deg;
-  attainable.sweep_period_s = config.sim.locomotion.sweep_period_s;
-  attainable.threads = options.threads;
   return LoadOrComputeAttainable(
-             scene, truth, robot, lidar, attainable, core::CacheDirectory(),
+             scene, truth, robot, LidarOf(config, robot), AttainableOptionsFor(config, options.threads),
+             core::CacheDirectory(),
              [&options](double share) {
                options.progress(fmt::format("finding what is attainable: {:3.0f} %", 100.0 * share), false);
              })

@@ -74,13 +74,15 @@ inline std::string NextValue(const core::ParamRow& row) {
   return row.value;
 }
 
-/// Changes parameters one at a time and looks what follows; what was looked at is not looked at again.
-class ParameterProbe {
+/// Changes parameters one at a time and looks what follows; what was looked at is not looked at again. A
+/// Config has `rows`, as resolved.
+template <typename Config>
+class ProbeOfConfig {
  public:
-  using Load = std::function<experiments::ExperimentConfig(const std::vector<std::string>& assignments)>;
-  using Look = std::function<std::string(const experiments::ExperimentConfig& config)>;
+  using Load = std::function<Config(const std::vector<std::string>& assignments)>;
+  using Look = std::function<std::string(const Config& config)>;
 
-  ParameterProbe(Load load, Look look) : load_(std::move(load)), look_(std::move(look)) {}
+  ProbeOfConfig(Load load, Look look) : load_(std::move(load)), look_(std::move(look)) {}
 
   /// Expects that nothing but parameters changes what Look tells: without it, no difference would mean a
   /// thing.
@@ -129,5 +131,7 @@ class ParameterProbe {
   Look look_;
   std::map<std::string, std::string> told_;
 };
+
+using ParameterProbe = ProbeOfConfig<experiments::ExperimentConfig>;
 
 }  // namespace atlas::tests

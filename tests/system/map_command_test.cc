@@ -217,7 +217,7 @@ TEST_F(MapCommand, BadInputIsOneLine) {
   ExpectRefusal("map --scans log --no-return maybe", {"--no-return", "dropout"});
   ExpectRefusal("map --scans log --lidar vlp61", {"did you mean 'vlp16'"});
   ExpectRefusal("map --scans log --threads 0", {"--threads"});
-  ExpectRefusal("map --scans log --set mapper.sigma_min=1", {"did you mean 'sigma_min_m'"});
+  ExpectRefusal("map --scans log --set mapper.sigma_min=1", {"did you mean 'mapper.sigma_min_m'"});
   ExpectRefusal("map --scans log --set mapper.resolution_m=99", {"mapper.resolution_m", "99"});
   Write("blocker", "a file where a folder should be");
   ExpectRefusal("map --scans log --out blocker/x", {"blocker"});

@@ -33,6 +33,18 @@ TEST(Ending, OfEveryPlanIsStatusAndReason) {
   }
 }
 
+TEST(Ending, ComesWithTheThirdFailedWalkInARow) {
+  FailedWalks walks;
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_EQ(TextOf(walks.Observe(MotionStatus::kStuck)), "");
+    EXPECT_EQ(TextOf(walks.Observe(MotionStatus::kStuck)), "");
+    EXPECT_EQ(TextOf(walks.Observe(MotionStatus::kReached)), "") << "and those before are forgotten";
+  }
+  EXPECT_EQ(TextOf(walks.Observe(MotionStatus::kStuck)), "");
+  EXPECT_EQ(TextOf(walks.Observe(MotionStatus::kStuck)), "");
+  EXPECT_EQ(TextOf(walks.Observe(MotionStatus::kStuck)), "stuck (stuck)");
+}
+
 TEST(Ending, OfMotionsIsAFallOrASignal) {
   EXPECT_EQ(TextOf(EndingOf(MotionStatus::kReached)), "");
   EXPECT_EQ(TextOf(EndingOf(MotionStatus::kStuck)), "") << "one failed walk is none";

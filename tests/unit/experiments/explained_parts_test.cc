@@ -1,8 +1,9 @@
-// Every parameter of the simulator, the mapper and the elevation map does something: changed alone, it
-// changes what that part tells. A mission builds each of them from its section as it is here
-// (ExplainedParameters.EverySectionReachesTheMission).
+// Every parameter of the simulator, the mapper (in a mission and of `atlas map`) and the elevation map does
+// something: changed alone, it changes what that part tells. A mission builds each of them from its section
+// as it is here (ExplainedParameters.EverySectionReachesTheMission).
 #include <gtest/gtest.h>
 
+#include "experiments/mapping_tools/offline_map.h"
 #include "mapping/mapper.h"
 #include "planner/terrain/elevation_map.h"
 #include "scenes/catalog.h"
@@ -149,6 +150,57 @@ TEST(ExplainedParts, OfEveryMapperAct) {
   for (const mapping::CatalogEntry& mapper : mapping::Catalog()) {
     probe.SeeNothingElseAct({"mapper=" + mapper.name});
     probe.SeeThemAct("mapper", {"mapper=" + mapper.name}, settings);
+  }
+}
+
+/// What `atlas map --set` sets, and `explain map` prints.
+struct MapConfig {
+  OfflineMapParams mapper;
+  std::vector<core::ParamRow> rows;
+  void Visit(core::ParamVisitor& v) { v.Section("mapper", &mapper); }
+};
+
+TEST(ExplainedParts, OfTheMapOfARecordingAct) {
+  const std::string fine = "mapper.resolution_m=0.03";
+  const Settings settings = {
+      {"mapper.local_radius_m", {{}, "1"}},
+      {"mapper.cloud_spacing_m", {{}, "0.2"}},
+      {"mapper.max_range_m", {{}, "1.5"}},
+      {"mapper.void_range_m", {{}, "0.5"}},
+      {"mapper.lambda_sigma", {{}, "0.05"}},
+      {"mapper.max_scale", {{fine, "mapper.void_range_m=20"}, "1"}},
+      {"mapper.lossless", {{fine}}},
+      {"mapper.remap_stop_rad", {{}, "0.1"}},
+      {"mapper.lambda_r", {{fine, "mapper.behind_max_m=1"}, "0.2"}},
+      {"mapper.behind_max_m", {{fine, "mapper.lambda_r=0.2"}, "0.1"}},
+  };
+  const tests::TinyMissions missions;
+  const std::vector<core::Sweep> sweeps = SweepsOfABlock();
+  const auto load = [](const std::vector<std::string>& set) {
+    core::ParamSource source;
+    for (const std::string& assignment : set) source.MergeAssignment(assignment);
+    MapConfig config;
+    config.rows = source.Load(&config);
+    return config;
+  };
+  const auto look = [&](const MapConfig& config) {
+    OfflineMapper mapper(config.mapper, core::FindLidarModel("vlp16"));
+    for (const core::Sweep& sweep : sweeps) {
+      for (const size_t spin : {2, 5}) mapper.Add(sweep.spins.at(spin), Pose::Identity());
+    }
+    Digest told;
+    told.Add(mapper.Cloud().points);
+    const auto file = missions.folder() / "map.atlas";
+    std::visit([&](const auto& map) { mapping::WriteMap(file, map); }, mapper.map());
+    told.Add(core::ReadFile(file));
+    return told.text();
+  };
+  tests::ProbeOfConfig<MapConfig> probe(load, look);
+  for (const std::string field : {"occupancy", "tsdf"}) {
+    const std::vector<std::string> small = {"mapper.field=" + field, "mapper.resolution_m=0.1",
+                                            "mapper.void_range_m=3"};
+    probe.SeeNothingElseAct(small);
+    probe.SeeThemAct("mapper", small, settings);
   }
 }
 

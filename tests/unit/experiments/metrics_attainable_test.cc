@@ -5,8 +5,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "core/files.h"
+#include "experiments/experiment_config.h"
 #include "experiments/metrics/attainable_cache.h"
 #include "experiments/metrics/sweep_aim.h"
 
@@ -428,6 +430,21 @@ TEST_F(AttainableCacheTest, WhateverTheResultDependsOnChangesTheKey) {
   EXPECT_NE(key(), original);
   options_.sweep_roll_deg = 40.0;
   EXPECT_EQ(key(), original);
+  for (double* option : {&options_.max_range_m, &options_.sweep_period_s, &options_.lattice_m,
+                         &options_.target_spacing_m, &options_.min_rays, &options_.reach.cell_m}) {
+    const double usual = std::exchange(*option, 1.5 * *option);
+    EXPECT_NE(key(), original) << usual;
+    *option = usual;
+  }
+  options_.headings = 4;
+  EXPECT_NE(key(), original);
+  options_.headings = 8;
+  robots::RobotSpec mounted = TestRobot();
+  mounted.T_base_lidar.translation().z() += 0.01;
+  EXPECT_NE(AttainableKey(world_.scene, truth_, mounted, TestLidar(), options_), original);
+  core::LidarModel far = TestLidar();
+  far.max_range_m += 1.0;
+  EXPECT_NE(AttainableKey(world_.scene, truth_, TestRobot(), far, options_), original);
   robots::RobotSpec narrow = TestRobot();
   narrow.half_width_m -= 0.05;
   EXPECT_NE(AttainableKey(world_.scene, truth_, narrow, TestLidar(), options_), original);
@@ -435,6 +452,20 @@ TEST_F(AttainableCacheTest, WhateverTheResultDependsOnChangesTheKey) {
   EXPECT_NE(key(), original);
   world_.scene.parts[2].mesh.vertices[0].x() += 0.001f;
   EXPECT_NE(key(), original);
+}
+
+TEST(Attainable, OfARunIsThatOfItsOwnSensorSweepsAndScore) {
+  ExperimentConfig config;
+  config.mission.coverage_radius_m = 0.11;
+  config.mapper.integrator.max_range_m = 12.5;
+  config.sim.locomotion.sweep_roll_deg = 33.0;
+  config.sim.locomotion.sweep_period_s = 4.5;
+  const AttainableOptions options = AttainableOptionsFor(config, 3);
+  EXPECT_EQ(options.radius_m, 0.11);
+  EXPECT_EQ(options.max_range_m, 12.5);
+  EXPECT_EQ(options.sweep_roll_deg, 33.0);
+  EXPECT_EQ(options.sweep_period_s, 4.5);
+  EXPECT_EQ(options.threads, 3);
 }
 
 TEST_F(AttainableCacheTest, AFolderThatCannotBeWrittenIsNoError) {

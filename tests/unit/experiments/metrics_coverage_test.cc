@@ -294,6 +294,19 @@ TEST(CoverageMeter, CloudErrorIsTheDistanceToTheSurfaceAndLeavesTheGroundOut) {
   EXPECT_NEAR(error.p95_m, 0.0196, 0.0015);
 }
 
+TEST(CoverageMeter, KeepsReturnsWithinHalfAMetreOfTheTruthsBoxAndErrorsEndAtHalfAMetre) {
+  const scenes::GroundTruth truth = SampledBox({1.0, 1.0, 1.0}, 0.05);
+  CoverageMeter meter(truth, {});
+  mapping::ReturnCloud cloud;
+  for (const float x : {1.3f, 1.49f, 1.51f}) cloud.Add(Vec3f(x, 0, 0), Vec3f(5, 0, 0));
+  cloud.Add(Vec3f(1.45f, 1.45f, 0), Vec3f(5, 5, 0));  // 0.64 m from the edge
+  meter.Take(cloud);
+  EXPECT_EQ(meter.kept().points.size(), 3u);
+  const CloudError error = meter.MeasureCloudError(Box3{Vec3(-3, -3, -3), Vec3(3, 3, 3)});
+  ASSERT_EQ(error.points, 3u);
+  EXPECT_NEAR(error.mean_m, (0.3 + 0.49 + 0.5) / 3.0, 1e-3);
+}
+
 TEST(CoverageScorer, MillionsOfPointsAreScoredAndAlignedInSeconds) {
   const scenes::GroundTruth truth = SampledBox({5.0, 4.0, 3.0}, 0.0115);
   const clock_t begin = clock();

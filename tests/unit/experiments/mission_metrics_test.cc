@@ -58,12 +58,15 @@ class MissionMetricsTest : public ::testing::Test {
   tests::CsvRow ScanOf(const std::vector<size_t>& seen) {
     mapping::ReturnCloud cloud;
     for (const size_t i : seen) cloud.Add(truth_.points[i], truth_.points[i] + truth_.normals[i]);
+    return ScanThatBrings(cloud);
+  }
+  tests::CsvRow ScanThatBrings(const mapping::ReturnCloud& cloud, const planner::NbvDecision& decision = {}) {
     metrics_->BeginScan();
     metrics_->ObserveSweep(core::Pose::Identity());
     metrics_->TakeCloud(cloud);
     metrics_->ScoreClouds(mapper_);
     metrics_->AdoptScore();
-    metrics_->FinishScan(planner::NbvDecision{});
+    metrics_->FinishScan(decision);
     return tests::ReadCsv(options_.folder / "steps.csv").back();
   }
   RunSummary Finish(RunStatus status, StopReason reason) {
@@ -191,6 +194,69 @@ TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   for (const auto& [column, value] : expected) EXPECT_EQ(Number(row, column), value) << column;
   EXPECT_EQ(row.at("outcome"), "view");
   EXPECT_EQ(Number(ScanOf({}), "distance_m"), 6.5);
+}
+
+TEST_F(MissionMetricsTest, TheCloudsErrorIsMeanAndTailAndLeavesOutWhatStandsAround) {
+  mapping::ReturnCloud cloud;
+  for (size_t i = 0; i < truth_.points.size(); ++i) {
+    const float off_m = i % 8 == 0 ? 0.02f : 0.0f;  // an eighth lies two centimetres before the surface
+    cloud.Add(truth_.points[i] + off_m * truth_.normals[i], truth_.points[i] + truth_.normals[i]);
+  }
+  for (float x = -0.58f; x < 0.59f; x += 0.01f) {  // a kerb within the object's box
+    cloud.Add(Vec3f(x, -0.58f, 0.06f), Vec3f(x, -2.0f, 0.5f));
+  }
+  const tests::CsvRow row = ScanThatBrings(cloud);
+  EXPECT_NEAR(Number(row, "cloud_error_m_mean"), 0.0025, 0.0005);
+  EXPECT_NEAR(Number(row, "cloud_error_m_p95"), 0.02, 0.001);
+  const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
+  EXPECT_NEAR(summary.cloud_error_m_mean.value(), 0.0025, 0.0005);
+  EXPECT_NEAR(summary.cloud_error_m_p95.value(), 0.02, 0.001);
+}
+
+TEST_F(MissionMetricsTest, ThePartsColumnsAreThoseOfTheirNames) {
+  // One part: its shares are the scene's. Some of it is seen from behind, and nothing of the top.
+  mapping::ReturnCloud cloud;
+  for (size_t i = 0; i < truth_.points.size(); ++i) {
+    if (truth_.points[i].x() < 0.1f || truth_.points[i].z() > 1.3f) continue;
+    const float side = truth_.points[i].y() > 0.1f ? -0.1f : 1.0f;
+    cloud.Add(truth_.points[i], truth_.points[i] + side * truth_.normals[i]);
+  }
+  ScanThatBrings(cloud);
+  const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
+  const std::vector<double> shares = {summary.coverage_attainable.value(), summary.coverage.value(),
+                                      summary.coverage_outer.value(), summary.coverage_of_attainable.value()};
+  for (size_t a = 0; a < shares.size(); ++a) {
+    for (size_t b = 0; b < a; ++b) EXPECT_GT(std::abs(shares[a] - shares[b]), 0.005) << a << " " << b;
+  }
+  const std::vector<tests::CsvRow> parts = tests::ReadCsv(options_.folder / "coverage_by_part.csv");
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts[0].at("part"), "block");
+  EXPECT_NEAR(Number(parts[0], "attainable"), shares[0], 1e-4);
+  EXPECT_NEAR(Number(parts[0], "coverage"), shares[1], 1e-4);
+  EXPECT_NEAR(Number(parts[0], "coverage_outer"), shares[2], 1e-4);
+  EXPECT_NEAR(Number(parts[0], "coverage_of_attainable"), shares[3], 1e-4);
+}
+
+TEST_F(MissionMetricsTest, OfWaysTooNarrowThoseAreNamedThatAreWorthWalking) {
+  planner::NbvDecision decision;
+  decision.blocked.resize(3);
+  decision.blocked[0].p_map = {1.25, -2.0};
+  decision.blocked[0].worth_share = 0.9;
+  decision.blocked[1].p_map = {3.25, 4.0};
+  decision.blocked[1].worth_share = 0.001;
+  decision.blocked[2].p_map = {-5.25, 4.0};  // never judged
+  const auto end = [&](planner::NbvOutcome outcome) {
+    decision.outcome = outcome;
+    ScanThatBrings({}, decision);
+    return Finish(RunStatus::kBudget, StopReason::kBlockedNarrow);
+  };
+  const RunSummary other = end(planner::NbvOutcome::kGainExhausted);
+  EXPECT_EQ(other.blocked_ways, 3.0);
+  EXPECT_EQ(other.blocked_at, "") << "that is not why it ended";
+  const RunSummary blocked = end(planner::NbvOutcome::kBlockedNarrow);
+  EXPECT_EQ(blocked.blocked_ways, 3.0);
+  EXPECT_NE(blocked.blocked_at.find("1.2"), std::string::npos) << blocked.blocked_at;
+  EXPECT_EQ(blocked.blocked_at.find(';'), std::string::npos) << blocked.blocked_at;
 }
 
 TEST_F(MissionMetricsTest, CoverageIsFlatOnlyOnceScansAddLittle) {

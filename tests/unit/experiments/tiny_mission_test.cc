@@ -59,6 +59,23 @@ TEST(TinyMission, TheGaitWalksOnThePerceivedMap) {
       << "a perceived map is never as even as the true floor";
 }
 
+TEST(TinyMission, TimesAreSecondsOfItsOwnWallClock) {
+  const tests::TinyMissions missions;
+  const RunSummary summary = missions.Run({}, "timed");
+  double before = 0.0;
+  for (const tests::CsvRow& row : tests::ReadCsvText(missions.FileOf("timed", "timings.csv"))) {
+    const double wall = std::stod(row.at("wall_time_s"));
+    const double nbv = std::stod(row.at("nbv_time_s")), sweep = std::stod(row.at("sweep_wall_s")),
+                 walk = std::stod(row.at("walk_wall_s"));
+    EXPECT_GT(nbv, 1e-5);
+    EXPECT_GT(sweep, 1e-3);
+    EXPECT_LE(nbv + sweep + walk, wall - before + 1e-3);
+    before = wall;
+  }
+  EXPECT_GT(before, 0.0);
+  EXPECT_LE(before, summary.wall_time_s.value() + 1e-3);
+}
+
 TEST(TinyMission, AnotherSeedIsAnotherRun) {
   const tests::TinyMissions missions;
   missions.Run({"mission.max_scans=1", "seed=3"}, "three");

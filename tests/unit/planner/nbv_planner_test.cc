@@ -227,6 +227,39 @@ TEST(NbvPlanner, GreedyIsExhaustedWhenNothingIsUnknown) {
   EXPECT_EQ(planner->Plan(kRobot, map, ground).outcome, NbvOutcome::kGainExhausted);
 }
 
+/// The unseen side lies behind a wall whose only gap is narrower than the robot.
+NbvDecision EndBehindANarrowGap(const mapping::DenseGrid& map, const NbvParams& params) {
+  tests::FlatGround ground = GroundAboutObject(Vec2(0.0, -3.0));
+  ground.AddObstacle(Vec2(-20.0, 0.0), Vec2(-1.8, 0.2));
+  ground.AddObstacle(Vec2(-1.4, 0.0), Vec2(-1.0, 0.2));
+  ground.AddObstacle(Vec2(1.0, 0.0), Vec2(20.0, 0.2));
+  const auto planner = Make(params);
+  planner->OnSweep(kRobot, 500);
+  NbvDecision decision = planner->Plan(kRobot, map, ground);
+  for (int round = 0; round < 20 && decision.outcome == NbvOutcome::kView; ++round) {
+    planner->OnSweep(kRobot, 0);
+    decision = planner->Plan(kRobot, map, ground);
+  }
+  return decision;
+}
+
+TEST(NbvPlanner, AMissionIsNotCompleteWhileMoreIsPromisedBehindAGapTooNarrow) {
+  for (const std::string gain : {"surface_frontier", "occlusion_aware", "unobserved_voxel"}) {
+    NbvParams params = SmallParams("greedy");
+    params.gain = gain;
+    const NbvDecision unseen = EndBehindANarrowGap(NearSideMapped(), params);
+    EXPECT_EQ(unseen.outcome, NbvOutcome::kBlockedNarrow) << gain;
+    ASSERT_EQ(unseen.blocked.size(), 1u) << gain;
+    EXPECT_LT((unseen.blocked[0].p_map - Vec2(-1.6, 0.1)).norm(), 0.2);
+    // In shares of the best view's surface, whichever gain is asked for besides.
+    EXPECT_GE(unseen.blocked[0].worth_share.value(), params.blocked_share) << gain;
+    EXPECT_LT(unseen.blocked[0].worth_share.value(), 5.0) << gain;
+    const NbvDecision known = EndBehindANarrowGap(NearSideMapped(0.12), params);
+    EXPECT_EQ(known.outcome, NbvOutcome::kGainExhausted) << gain;
+    EXPECT_EQ(known.blocked.at(0).worth_share, 0.0) << gain;
+  }
+}
+
 TEST(NbvPlanner, PlacesFarFromEveryScanAreLookedAtBeforeItIsExhausted) {
   const auto map = NearSideMapped(0.12);
   const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
