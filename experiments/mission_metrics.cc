@@ -78,6 +78,8 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
   meter_ = std::make_unique<CoverageMeter>(
       truth_, CoverageMeter::Options{.radius_m = config.mission.coverage_radius_m});
   attainable_ = AttainableFor(config, options, scene, robot, truth_);
+  score_.covered.assign(truth_.points.size(), 0);
+  score_.covered_outer = score_.covered;
   volume_ = ExploredVolumeFor(config, options, scene, robot);
   const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
   recorder_->mutable_summary()->coverage_attainable =
@@ -134,6 +136,8 @@ void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
   meter_->Align();
   scored_.coverage_raw = meter_->coverage_raw();
   scored_.coverage = meter_->coverage();
+  scored_.covered = meter_->covered();
+  scored_.covered_outer = meter_->covered_outer();
   scored_.coverage_outer = meter_->coverage_outer();
   scored_.of_attainable = ShareOf(meter_->covered_outer(), attainable_);
   scored_.error = meter_->MeasureCloudError(scene_.object_box);
@@ -145,8 +149,8 @@ void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
 }
 
 void MissionMetrics::AdoptScore() {
-  score_ = scored_;
-  scored_.seconds = 0.0;
+  score_ = std::move(scored_);
+  scored_ = Score{};
   coverage_.push_back(score_.coverage);
   step_.coverage_raw = score_.coverage_raw;
   step_.coverage = score_.coverage;
@@ -199,10 +203,9 @@ void MissionMetrics::ObserveWalk(const sim::WalkResult& walk, double wall_s) {
 void MissionMetrics::Save(const mapping::Mapper& mapper) {
   wall_time_s_ = wall_.seconds();
   RunSummary& summary = *recorder_->mutable_summary();
-  const CloudError error = meter_->MeasureCloudError(scene_.object_box);
-  if (error.points > 0) {
-    summary.cloud_error_m_mean = error.mean_m;
-    summary.cloud_error_m_p95 = error.p95_m;
+  if (score_.error.points > 0) {
+    summary.cloud_error_m_mean = score_.error.mean_m;
+    summary.cloud_error_m_p95 = score_.error.p95_m;
   }
   if (const sim::SafetyCounts& safety = simulator_->safety(); safety.measured) {
     summary.falls = safety.falls;
@@ -222,7 +225,7 @@ void MissionMetrics::Save(const mapping::Mapper& mapper) {
   WriteScoredCloud(options_.folder / "cloud.ply", meter_->kept(), score_.returns);
   WriteAlignment(options_.folder / "alignment.txt", score_.T_truth_cloud);
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
-                            PartsCsv(truth_, attainable_, meter_->covered(), meter_->covered_outer()));
+                            PartsCsv(truth_, attainable_, score_.covered, score_.covered_outer));
   mapper.Save(options_.folder);
   core::WriteFileAtomically(options_.folder / "log.txt", log_);
 }

@@ -74,6 +74,7 @@ class MissionMetrics {
   /// The meter's latest answers.
   struct Score {
     double coverage = 0.0, coverage_raw = 0.0, coverage_outer = 0.0, of_attainable = 0.0;
+    std::vector<uint8_t> covered, covered_outer;  ///< a truth point each
     CloudError error;
     size_t returns = 0;  ///< of the accumulated cloud that this score counts
     core::Pose T_truth_cloud = core::Pose::Identity();

@@ -237,6 +237,27 @@ TEST_F(MissionMetricsTest, ThePartsColumnsAreThoseOfTheirNames) {
   EXPECT_NEAR(Number(parts[0], "coverage_of_attainable"), shares[3], 1e-4);
 }
 
+TEST_F(MissionMetricsTest, WhatCameAfterTheLastScoreCountsNowhere) {
+  mapping::ReturnCloud all;
+  for (size_t i = 0; i < truth_.points.size(); ++i)
+    all.Add(truth_.points[i] + 0.01f * truth_.normals[i], truth_.points[i] + truth_.normals[i]);
+  const tests::CsvRow row = ScanOf({truth_.points.size() / 2});
+  metrics_->TakeCloud(all);
+  const RunSummary summary = Finish(RunStatus::kRobotFell, StopReason::kFell);
+  EXPECT_LT(summary.coverage.value(), 0.1);
+  EXPECT_LT(summary.cloud_error_m_mean.value(), 0.001);
+  const tests::CsvRow part = tests::ReadCsv(options_.folder / "coverage_by_part.csv").at(0);
+  EXPECT_NEAR(Number(part, "coverage"), summary.coverage.value(), 1e-4);
+  EXPECT_NEAR(Number(part, "coverage_outer"), Number(row, "coverage_outer"), 1e-4);
+}
+
+TEST_F(MissionMetricsTest, AMissionWithoutAScanHasCoveredNothing) {
+  Finish(RunStatus::kInterrupted, StopReason::kSignal);
+  const tests::CsvRow part = tests::ReadCsv(options_.folder / "coverage_by_part.csv").at(0);
+  EXPECT_GT(Number(part, "attainable"), 0.5);
+  EXPECT_EQ(Number(part, "coverage"), 0.0);
+}
+
 TEST_F(MissionMetricsTest, OfWaysTooNarrowThoseAreNamedThatAreWorthWalking) {
   planner::NbvDecision decision;
   decision.blocked.resize(3);
