@@ -131,18 +131,22 @@ std::string MapperTells(const tests::TinyMissions& missions, const std::vector<c
   return told.text();
 }
 
+const std::string kFine = "mapper.resolution_m=0.03";
+/// Where the parameters of the integrator act, in a mission as in `atlas map`.
+const Settings kOfTheIntegrator = {
+    {"mapper.max_range_m", {{}, "1.5"}},
+    {"mapper.void_range_m", {{}, "0.5"}},
+    {"mapper.lambda_sigma", {{}, "0.05"}},
+    {"mapper.max_scale", {{kFine, "mapper.void_range_m=20"}, "1"}},
+    {"mapper.lossless", {{kFine}}},
+    {"mapper.remap_stop_rad", {{}, "0.1"}},
+    {"mapper.lambda_r", {{kFine, "mapper.behind_max_m=1"}, "0.2"}},
+    {"mapper.behind_max_m", {{kFine, "mapper.lambda_r=0.2"}, "0.1"}},
+};
+
 TEST(ExplainedParts, OfEveryMapperAct) {
-  const std::string fine = "mapper.resolution_m=0.03";
-  const Settings settings = {
-      {"mapper.max_range_m", {{}, "1.5"}},
-      {"mapper.void_range_m", {{}, "0.5"}},
-      {"mapper.lambda_sigma", {{}, "0.05"}},
-      {"mapper.max_scale", {{"mapper.resolution_m=0.008"}, "1"}},
-      {"mapper.lossless", {{fine}}},
-      {"mapper.remap_stop_rad", {{}, "0.1"}},
-      {"mapper.lambda_r", {{fine, "mapper.behind_max_m=1"}, "0.2"}},
-      {"mapper.behind_max_m", {{fine, "mapper.lambda_r=0.2"}, "1"}},
-  };
+  Settings settings = kOfTheIntegrator;
+  settings["mapper.max_scale"] = {{"mapper.resolution_m=0.008"}, "1"};  // the object is near
   const tests::TinyMissions missions;
   const std::vector<core::Sweep> sweeps = SweepsOfABlock();
   ParameterProbe probe = ProbeOf(
@@ -161,19 +165,9 @@ struct MapConfig {
 };
 
 TEST(ExplainedParts, OfTheMapOfARecordingAct) {
-  const std::string fine = "mapper.resolution_m=0.03";
-  const Settings settings = {
-      {"mapper.local_radius_m", {{}, "1"}},
-      {"mapper.cloud_spacing_m", {{}, "0.2"}},
-      {"mapper.max_range_m", {{}, "1.5"}},
-      {"mapper.void_range_m", {{}, "0.5"}},
-      {"mapper.lambda_sigma", {{}, "0.05"}},
-      {"mapper.max_scale", {{fine, "mapper.void_range_m=20"}, "1"}},
-      {"mapper.lossless", {{fine}}},
-      {"mapper.remap_stop_rad", {{}, "0.1"}},
-      {"mapper.lambda_r", {{fine, "mapper.behind_max_m=1"}, "0.2"}},
-      {"mapper.behind_max_m", {{fine, "mapper.lambda_r=0.2"}, "0.1"}},
-  };
+  Settings settings = kOfTheIntegrator;
+  settings["mapper.local_radius_m"] = {{}, "1"};
+  settings["mapper.cloud_spacing_m"] = {{}, "0.2"};
   const tests::TinyMissions missions;
   const std::vector<core::Sweep> sweeps = SweepsOfABlock();
   const auto load = [](const std::vector<std::string>& set) {

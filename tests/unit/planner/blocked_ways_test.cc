@@ -23,6 +23,15 @@ std::vector<BlockedWay> BlockedIn(const TraversableGround& ground) {
   return FindBlockedWays(walkable, LatticeCandidates(walkable, 0.5), Footprint{});
 }
 
+/// What a planner knows after one plan there.
+BlockedWays KnownAfterAPlanIn(const TraversableGround& ground) {
+  const Walkable walkable(ground, Vec2(0.0, 0.0));
+  const CandidateTree tree = LatticeCandidates(walkable, 0.5);
+  BlockedWays ways;
+  ways.Learn(walkable, tree, FindBlockedWays(walkable, tree, Footprint{}));
+  return ways;
+}
+
 TEST(BlockedWays, AGapNarrowerThanTheFootprintIsNamedWhereItIs) {
   for (const double width : {0.3, 0.4, 0.5, 0.6}) {
     const std::vector<BlockedWay> ways = BlockedIn(WallWithGap(width));
@@ -66,11 +75,7 @@ TEST(BlockedWays, TwoGapsAreTwoWays) {
 }
 
 TEST(BlockedWays, AreWorthTheBestViewBeyondThemOnceJudged) {
-  const tests::FlatGround ground = WallWithGap(0.4);
-  const Walkable walkable(ground, Vec2(0.0, 0.0));
-  const CandidateTree tree = LatticeCandidates(walkable, 0.5);
-  BlockedWays ways;
-  ways.Learn(walkable, tree, FindBlockedWays(walkable, tree, Footprint{}));
+  BlockedWays ways = KnownAfterAPlanIn(WallWithGap(0.4));
   ASSERT_EQ(ways.ways().size(), 1u);
   EXPECT_FALSE(ways.ways()[0].worth_share.has_value());
   std::vector<double> shares(ways.PlacesBeyond().size(), 0.0);
@@ -82,11 +87,7 @@ TEST(BlockedWays, AreWorthTheBestViewBeyondThemOnceJudged) {
 }
 
 TEST(BlockedWays, AreKeptBeyondTheWindowAndForgottenWhereTheFarSideIsReached) {
-  const tests::FlatGround near = WallWithGap(0.4);
-  const Walkable walkable(near, Vec2(0.0, 0.0));
-  const CandidateTree tree = LatticeCandidates(walkable, 0.5);
-  BlockedWays ways;
-  ways.Learn(walkable, tree, FindBlockedWays(walkable, tree, Footprint{}));
+  BlockedWays ways = KnownAfterAPlanIn(WallWithGap(0.4));
   ASSERT_EQ(ways.ways().size(), 1u);
 
   const Vec2 elsewhere(0.0, -20.0);
