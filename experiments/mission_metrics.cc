@@ -11,7 +11,6 @@
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"
 #include "experiments/metrics/scored_files.h"
-#include "experiments/resource_use.h"
 #include "experiments/run_identity.h"
 #include "experiments/run_labels.h"
 #include "experiments/thesis_deviations.h"
@@ -213,7 +212,6 @@ void MissionMetrics::Save(const mapping::Mapper& mapper) {
     summary.footholds_off_solid = safety.footholds_off_solid;
     summary.worst_foot_drop_m = safety.worst_foot_drop_m;
   }
-  summary.peak_rss_bytes = PeakResidentBytes();
   if (volume_ && score_.explored_m3) {
     summary.explored_volume_m3 = score_.explored_m3;
     summary.explored_volume_attainable_m3 = volume_->attainable_m3();
