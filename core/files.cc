@@ -56,11 +56,20 @@ void WriteFileAtomically(const fs::path& path, std::string_view content) {
   file.Commit();
 }
 
-std::string ReadFile(const fs::path& path) {
+void CheckReadable(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
-  if (fs::is_directory(path, error))
-    throw InputError(fmt::format("{}: is a folder, not a file", path.string()));
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw InputError(fmt::format("{}: no such file", path.string()));
+  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder, not a file", path.string()));
+  if (!fs::is_regular_file(status))
+    throw InputError(fmt::format("{}: is a device or a pipe, not a file", path.string()));
+}
+
+std::string ReadFile(const fs::path& path, uintmax_t most_bytes) {
+  CheckReadable(path);
+  std::error_code error;
+  if (const uintmax_t bytes = fs::file_size(path, error); !error && bytes > most_bytes)
+    throw InputError(fmt::format("{}: {} bytes, must be at most {}", path.string(), bytes, most_bytes));
   std::ifstream in(path, std::ios::binary);
   std::ostringstream buffer;
   buffer << in.rdbuf();

@@ -1,6 +1,7 @@
 // Files are written whole or not at all: beside the target, then renamed over it.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -29,8 +30,13 @@ class AtomicFile {
   std::string pending_;  ///< small pieces are sent together
 };
 
-/// The whole file. @throws InputError "PATH: no such file" or the like.
-std::string ReadFile(const std::filesystem::path& path);
+/// @throws InputError where nothing can be read to its end from here: "PATH: no such file", a folder, a
+/// device, a pipe.
+void CheckReadable(const std::filesystem::path& path);
+
+/// The whole file. @throws InputError as CheckReadable does, where it is larger than `most_bytes`, and where
+/// reading fails.
+std::string ReadFile(const std::filesystem::path& path, uintmax_t most_bytes = UINTMAX_MAX);
 
 /// A file of the installation, such as "robots/quadruped.xml": below $ATLAS_HOME where set, else below the
 /// source tree. @throws InputError when it is missing.

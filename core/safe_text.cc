@@ -66,6 +66,13 @@ std::string Printable(std::string_view text) {
   return shown;
 }
 
+std::string CsvCell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
 bool HasControlCharacters(std::string_view text) {
   while (!text.empty()) {
     const size_t length = SequenceLength(text);

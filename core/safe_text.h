@@ -12,6 +12,9 @@ namespace atlas::core {
 /// `text` as a terminal may show it: control characters and bytes that are no UTF-8 as \n, \t, \r or \xHH.
 std::string Printable(std::string_view text);
 
+/// `text` as one cell of a CSV table (RFC 4180): in quotes where it holds a comma, a quote or a line end.
+std::string CsvCell(const std::string& text);
+
 bool HasControlCharacters(std::string_view text);
 
 /// @throws InputError "WHAT: holds a control character: 'a\nb'".

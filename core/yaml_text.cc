@@ -127,7 +127,8 @@ YAML::Node ParseYaml(const std::string& text, const std::string& where) {
 }
 
 YAML::Node LoadYaml(const std::filesystem::path& file) {
-  return ParseYaml(ReadFile(file), file.string());
+  constexpr uintmax_t kMostBytes = 16u << 20;
+  return ParseYaml(ReadFile(file, kMostBytes), file.string());
 }
 
 }  // namespace atlas::core

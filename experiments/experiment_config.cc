@@ -128,10 +128,13 @@ ExperimentConfig LoadExperiment(const std::string& name_or_path,
                 source.TextAt("mapper", "name"), &config);
   config.rows = source.Load(&config);
   if (core::FileNameFrom(config.experiment) != config.experiment) {
+    const auto row = std::find_if(config.rows.begin(), config.rows.end(),
+                                  [](const core::ParamRow& r) { return r.path == "experiment"; });
+    const std::string where = row->origin == "default" ? path.string() : row->origin;
     throw core::InputError(fmt::format(
-        "experiment: '{}' cannot name a folder (letters, digits, '.', '-' and '_', beginning with "
+        "{}: experiment: '{}' cannot name a folder (letters, digits, '.', '-' and '_', beginning with "
         "neither '.' nor '-')",
-        config.experiment));
+        where, config.experiment));
   }
   return config;
 }

@@ -7,7 +7,9 @@
 #include <functional>
 #include <utility>
 
+#include "core/errors.h"
 #include "core/files.h"
+#include "core/safe_text.h"
 #include "experiments/metrics/attainable.h"
 #include "experiments/metrics/scene_surface.h"
 #include "experiments/metrics/scored_files.h"
@@ -56,8 +58,9 @@ std::string PartsCsv(const scenes::GroundTruth& truth, const std::vector<uint8_t
   std::string csv = "part,area_m2,attainable,coverage,coverage_outer,coverage_of_attainable\n";
   for (size_t k = 0; k < reach.size(); ++k) {
     const PartCoverage of_attainable{.name = "", .points = reach[k].covered, .covered = both[k].covered};
-    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", truth.part_names[k], truth.part_area_m2[k],
-                       reach[k].share(), got[k].share(), front[k].share(), of_attainable.share());
+    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", core::CsvCell(truth.part_names[k]),
+                       truth.part_area_m2[k], reach[k].share(), got[k].share(), front[k].share(),
+                       of_attainable.share());
   }
   return csv;
 }
@@ -74,6 +77,10 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
   core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
   options_.progress("sampling the ground truth", false);
   truth_ = scenes::SampleGroundTruth(scene, config.mission.truth_spacing_m);
+  if (truth_.points.empty()) {
+    throw core::InputError(
+        fmt::format("{}: no surface in object_box, so nothing to cover", config.scene.name));
+  }
   meter_ = std::make_unique<CoverageMeter>(
       truth_, CoverageMeter::Options{.radius_m = config.mission.coverage_radius_m});
   attainable_ = AttainableFor(config, options, scene, robot, truth_);
@@ -81,8 +88,7 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
   score_.covered_outer = score_.covered;
   volume_ = ExploredVolumeFor(config, options, scene, robot);
   const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
-  recorder_->mutable_summary()->coverage_attainable =
-      truth_.points.empty() ? 0.0 : attained / static_cast<double>(truth_.points.size());
+  recorder_->mutable_summary()->coverage_attainable = attained / static_cast<double>(truth_.points.size());
   WriteScoredTruth(options.folder / "ground_truth.ply", truth_, attainable_);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "core/errors.h"
 #include "core/files.h"
@@ -41,6 +42,8 @@ constexpr const char* kRunFiles[] = {"summary.json",
                                      "video.mp4",
                                      "log.txt"};
 constexpr const char* kInputFolders[] = {"scene", "robot"};
+/// What lies in kInputFolders because a run put it there: a path a line.
+constexpr const char* kInputsFile = "inputs.txt";
 
 [[noreturn]] void CannotMake(const fs::path& folder, const std::error_code& error) {
   throw core::InputError(fmt::format("{}: cannot make this folder ({})", folder.string(), error.message()));
@@ -57,21 +60,51 @@ bool Make(const fs::path& folder) {
   return made;
 }
 
+void Remove(const fs::path& file) {
+  std::error_code error;
+  fs::remove(file, error);
+  if (error) throw core::InputError(fmt::format("{}: cannot remove ({})", file.string(), error.message()));
+}
+
+/// Whether a run in `folder` may have put a file there: in an input folder, and by no way out of it.
+bool IsInput(const fs::path& relative, const fs::path& folder) {
+  const bool named = std::any_of(std::begin(kInputFolders), std::end(kInputFolders),
+                                 [&](const char* name) { return *relative.begin() == name; });
+  if (!named || relative != relative.lexically_normal()) return false;
+  fs::path at = folder;
+  for (const fs::path& part : relative.parent_path()) {
+    at /= part;
+    if (fs::is_symlink(fs::symlink_status(at))) return false;
+  }
+  return true;
+}
+
+/// Folders that are left empty go, from the innermost on.
+void RemoveIfEmpty(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_directory(folder, error)) return;
+  for (const auto& entry : fs::directory_iterator(folder, error)) RemoveIfEmpty(entry.path());
+  if (fs::is_empty(folder, error)) fs::remove(folder, error);
+}
+
+/// The copies that a run was made from, and nothing that the user put beside them.
+void RemoveInputs(const fs::path& folder) {
+  const fs::path list = folder / kInputsFile;
+  if (!fs::is_regular_file(fs::symlink_status(list))) return;
+  std::istringstream lines(core::ReadFile(list));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && IsInput(line, folder)) Remove(folder / line);
+  }
+  for (const char* name : kInputFolders) RemoveIfEmpty(folder / name);
+  Remove(list);
+}
+
 /// All of a run but its summary.
 void RemoveResults(const fs::path& folder) {
-  const auto check = [&](const char* name, const std::error_code& error) {
-    if (!error) return;
-    throw core::InputError(fmt::format("{}: cannot remove ({})", (folder / name).string(), error.message()));
-  };
-  std::error_code error;
   for (const char* name : kRunFiles) {
-    if (std::string_view(name) != "summary.json") fs::remove(folder / name, error);
-    check(name, error);
+    if (std::string_view(name) != "summary.json") Remove(folder / name);
   }
-  for (const char* name : kInputFolders) {
-    fs::remove_all(folder / name, error);
-    check(name, error);
-  }
+  RemoveInputs(folder);
 }
 
 /// Whether `file` is below `folder`, as it is written or where its links lead.
@@ -131,15 +164,32 @@ std::string RunFileIn(const fs::path& folder) {
   for (const char* name : kInputFolders) {
     if (stands(name)) return name;
   }
+  if (stands(kInputsFile)) return kInputsFile;
   for (const char* name : kRunFiles) {
     if (stands(name)) return name;
   }
   return "";
 }
 
+/// What `load` gives for the value of a row. @throws InputError as it does, and where the value is no file
+/// (which messages name), tells where it was set.
+template <typename Load>
+static auto LoadNamed(const ExperimentConfig& config, const std::string& path, const std::string& value,
+                      const Load& load) {
+  try {
+    return load(value);
+  } catch (const core::InputError& error) {
+    const auto row = std::find_if(config.rows.begin(), config.rows.end(),
+                                  [&](const core::ParamRow& r) { return r.path == path; });
+    const bool told = core::IsFileName(value) || row == config.rows.end() || row->origin == "default";
+    if (told) throw;
+    throw core::InputError(fmt::format("{}: {}: {}", row->origin, path, error.what()));
+  }
+}
+
 std::vector<fs::path> CheckedInputs(const ExperimentConfig& config, const std::string& experiment) {
-  const scenes::SceneSpec scene = scenes::LoadScene(config.scene.name);
-  const robots::RobotSpec robot = robots::LoadRobot(config.robot.name);
+  const scenes::SceneSpec scene = LoadNamed(config, "scene.name", config.scene.name, scenes::LoadScene);
+  const robots::RobotSpec robot = LoadNamed(config, "robot.name", config.robot.name, robots::LoadRobot);
   std::vector<fs::path> inputs = scenes::FilesOfScene(config.scene.name);
   for (fs::path& file : robots::FilesOfRobot(config.robot.name)) inputs.push_back(std::move(file));
   if (core::IsFileName(experiment)) inputs.emplace_back(experiment);
@@ -171,6 +221,7 @@ fs::path OpenRunFolder(const RunFolderRequest& request) {
     }
   }
   if (!made) RefuseFolderInUse(request);
+  core::FolderLock lock(mine);
   core::RemoveStaleTemporaries(mine);
   try {
     ClaimRunFolder(mine, request.experiment, request.seed);
@@ -180,7 +231,17 @@ fs::path OpenRunFolder(const RunFolderRequest& request) {
     throw;
   }
   if (!made) RemoveResults(mine);
+  if (request.lock != nullptr) *request.lock = std::move(lock);
   return mine;
+}
+
+/// Writes kInputsFile: what `kept` names in the folder.
+static void ListInputs(const ExperimentConfig& kept, const fs::path& folder) {
+  std::vector<fs::path> files = scenes::FilesOfScene(kept.scene.name);
+  for (fs::path& file : robots::FilesOfRobot(kept.robot.name)) files.push_back(std::move(file));
+  std::string lines;
+  for (const fs::path& file : files) lines += file.lexically_proximate(folder).string() + "\n";
+  core::WriteFileAtomically(folder / kInputsFile, lines);
 }
 
 ExperimentConfig KeepInputs(const ExperimentConfig& config, const fs::path& folder) {
@@ -194,6 +255,7 @@ ExperimentConfig KeepInputs(const ExperimentConfig& config, const fs::path& fold
   const fs::path robot = "robot" / robots::CopyRobot(config.robot.name, folder / "robot");
   kept.robot.name = (folder / robot).string();
   SetRow(&kept, "robot.name", robot.string());
+  ListInputs(kept, folder);
   return kept;
 }
 
@@ -204,7 +266,7 @@ void DiscardInputs(const fs::path& folder) {
     return;  // not of OpenRunFolder
   }
   std::error_code error;
-  for (const char* name : kInputFolders) fs::remove_all(folder / name, error);
+  RemoveInputs(folder);
   fs::remove(folder / "summary.json", error);
   fs::remove(folder, error);
 }

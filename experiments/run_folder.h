@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/folder_lock.h"
 #include "experiments/experiment_config.h"
 
 namespace atlas::experiments {
@@ -32,12 +33,13 @@ struct RunFolderRequest {
   std::vector<std::filesystem::path> inputs = {};  ///< CheckedInputs
   std::string experiment = "";
   uint64_t seed = 1;
+  core::FolderLock* lock = nullptr;  ///< receives the folder's, to be held while the run goes on
 };
 
 /// Makes the folder of a new run, claims it, and then removes an earlier run's files where `force` is set.
 /// Returns the folder, which no other process can get at the same time where numbered (and not forced).
 /// @throws InputError, with nothing written or removed, where the folder
-///   holds a run and is neither numbered nor forced,
+///   holds a run and is neither numbered nor forced, or another process that runs there,
 ///   holds none, but files that a run would overwrite,
 ///   or holds one of the inputs; and where it cannot be made.
 std::filesystem::path OpenRunFolder(const RunFolderRequest& request);

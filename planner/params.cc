@@ -99,7 +99,10 @@ void VisitLattice(core::ParamVisitor& v, NbvParams* p) {
 
 /// Of the planners that plan; `none` takes what another one has.
 void VisitPlanning(core::ParamVisitor& v, core::ParamVisitor& none, NbvParams* p) {
-  v.Field("gain", &p->gain, {.choices = GainNames(), .doc = "information gain that decides"});
+  v.Field("gain", &p->gain,
+          {.choices = GainNames(),
+           .doc = "information gain that decides; greedy: that modulates what decides, the surface that a "
+                  "view uncovers (gain_share)"});
   v.Field("extra_gains", &p->extra_gains,
           {.choices = GainNames(), .doc = "also computed from the same rays and logged for every candidate"});
   v.Field("nodes", &p->nodes,

@@ -79,7 +79,7 @@ class TagWalk {
 }  // namespace
 
 boost::property_tree::ptree ReadXml(const std::filesystem::path& file) {
-  const std::string text = core::ReadFile(file);
+  const std::string text = core::ReadFile(file, 16u << 20);
   TagWalk(text, file.string()).CheckDepth();
   std::istringstream in(text);
   try {

@@ -19,8 +19,10 @@ namespace {
 using boost::property_tree::ptree;
 
 /// Puts what `include` names, relative to `folder`, in its place, and appends these files to `included`.
+/// @throws InputError for a file that cannot be read, and where there is no end of them.
 void ResolveIncludes(ptree* node, const fs::path& folder, std::vector<fs::path>* included, int depth = 0) {
   constexpr int kDeepest = 16;
+  constexpr size_t kMost = 256;
   for (auto at = node->begin(); at != node->end();) {
     if (at->first != "include") {
       ResolveIncludes(&at->second, folder, included, depth);
@@ -29,6 +31,9 @@ void ResolveIncludes(ptree* node, const fs::path& folder, std::vector<fs::path>*
     }
     const fs::path file = folder / at->second.get("<xmlattr>.file", "");
     if (depth == kDeepest) throw core::InputError(file.string() + ": includes are nested too deeply");
+    if (included->size() == kMost) {
+      throw core::InputError(fmt::format("{}: one include more than {}", file.string(), kMost));
+    }
     included->push_back(file);
     ptree content = ReadXml(file);
     ResolveIncludes(&content, folder, included, depth + 1);
@@ -121,6 +126,7 @@ std::vector<fs::path> FilesOfRobot(const std::string& name_or_path) {
   files.push_back(mjcf);
   ForEachFile(&model.tree, FoldersOf(model.tree, mjcf),
               [&](ptree*, const fs::path& file) { files.push_back(file); });
+  for (const fs::path& file : files) core::CheckReadable(file);
   return files;
 }
 

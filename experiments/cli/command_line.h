@@ -18,6 +18,10 @@ void AddSweepCommands(CLI::App* app, int threads, Action* action);  // sweep, re
 void AddMapCommands(CLI::App* app, int threads, Action* action);    // map, mesh, eval, export
 void AddShellCommands(CLI::App* app, Action* action);               // completion, help
 
+/// Accepts numbers from `least` to `most`; not NaN, which is neither below nor above.
+CLI::Validator Between(double least, double most);
+/// --out, which may not be empty: a variable that is not set would write to the default place.
+CLI::Option* AddOut(CLI::App* command, std::filesystem::path* out, const std::string& doc);
 /// --threads, 1 to 64.
 void AddThreads(CLI::App* command, int* threads);
 /// Accepts seeds (0 to kGreatestSeed) only.

@@ -15,6 +15,7 @@
 #include "experiments/metrics/statistics.h"
 #include "experiments/report/text_table.h"
 #include "experiments/resource_use.h"
+#include "experiments/run_folder.h"
 #include "experiments/stopwatch.h"
 #include "mapping/meshing/marching_cubes.h"
 
@@ -213,8 +214,12 @@ int MapCommand(const MapArguments& arguments) {
   const OfflineMapParams params = ParamsOf(arguments);
   mapping::RecordedLogOptions options = arguments.log;
   options.no_return = arguments.no_return == "void" ? core::ReturnKind::kVoid : core::ReturnKind::kDropout;
-  const mapping::RecordedLog log(options);
   const fs::path folder = arguments.out.empty() ? DefaultFolder(options.scans) : arguments.out;
+  if (HoldsRun(folder)) {
+    throw core::InputError(folder.string() +
+                           ": holds a run, whose map this would overwrite (choose another --out)");
+  }
+  const mapping::RecordedLog log(options);
   core::RemoveStaleTemporaries(folder);
   core::AtomicFile(folder / "map.atlas");  // a folder that cannot be written is found before the work
   std::cout << core::Printable(log.Describe()) << std::endl;

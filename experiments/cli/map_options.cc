@@ -25,11 +25,10 @@ void AddScanOptions(CLI::App* map, MapArguments* a) {
                   "points without return: void (free space) or dropout (nothing)")
       ->check(OneOf("points without return", {"void", "dropout"}));
   map->add_option("--max-dt", a->log.max_dt_s, "s: a scan meets poses so near to the time in its name")
-      ->check(CLI::Range(0.0, 10.0));
+      ->check(Between(0.0, 10.0));
   map->add_option("--min-range", a->log.min_range_m, "m: nearer returns carry no information")
-      ->check(CLI::Range(0.0, 20.0));
-  map->add_option("--limit", a->limit, "only the first so many scans (0: all)")
-      ->check(CLI::Range(0, 100000000));
+      ->check(Between(0.0, 20.0));
+  map->add_option("--limit", a->limit, "only the first so many scans (0: all)")->check(Between(0, 100000000));
   map->add_flag("--skip-unreadable", a->skip_unreadable, "go on past clouds that cannot be read");
 }
 
@@ -39,16 +38,16 @@ void AddMap(CLI::App* app, int threads, Action* action) {
   CLI::App* map = app->add_subcommand("map", "Map recorded LiDAR: scans and poses to map.atlas, cloud, mesh");
   AddScanOptions(map, a.get());
   map->add_option("--resolution", a->resolution_m, "m: edge of the smallest voxel")
-      ->check(CLI::Range(0.005, 2.0));
+      ->check(Between(0.005, 2.0));
   map->add_option("--max-range", a->max_range_m, "m: longer returns are free space up to here")
-      ->check(CLI::Range(1.0, 500.0));
+      ->check(Between(1.0, 500.0));
   map->add_option("--field", a->field, "occupancy or tsdf")->check(OneOf("field", {"occupancy", "tsdf"}));
   map->add_option("--local", a->local_radius_m,
                   "m: a rolling map, cropped to this about the LiDAR (0: all is kept)")
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(Between(0.0, 1000.0));
   map->add_flag("--mesh", a->mesh, "write mesh.ply too");
   map->add_option("--set", a->assignments, "mapper.key=value: any parameter of the integrator")->take_all();
-  map->add_option("--out", a->out, "folder (default runs/map/NAME)");
+  AddOut(map, &a->out, "folder (default runs/map/NAME)");
   AddThreads(map, &a->threads);
   map->callback([=] { *action = [=] { return MapCommand(*a); }; });
 }
@@ -58,10 +57,10 @@ void AddMesh(CLI::App* app, int threads, Action* action) {
   a->threads = threads;
   CLI::App* mesh = app->add_subcommand("mesh", "Surface of a map as a PLY mesh");
   mesh->add_option("map", a->map, "map.atlas")->required();
-  mesh->add_option("--out", a->out, "FILE.ply (default: mesh.ply beside the map)");
+  AddOut(mesh, &a->out, "FILE.ply (default: mesh.ply beside the map)");
   mesh->add_option("--min-component", a->min_component_m2,
                    "m2: connected pieces smaller than this are left out")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(Between(0.0, 1e6));
   AddThreads(mesh, &a->threads);
   mesh->callback([=] { *action = [=] { return MeshCommand(*a); }; });
 }
@@ -74,12 +73,12 @@ void AddEval(CLI::App* app, int threads, Action* action) {
   eval->add_option("subject", a->subject, "map.atlas, mesh PLY or cloud (PLY, PCD, .bin)")->required();
   eval->add_option("--truth", a->truth, "cloud of the true surface (PLY, PCD, .bin)")->required();
   eval->add_option("--radius", a->radii_m, "m: of coverage; several (default 0.043 0.086)")
-      ->check(CLI::Range(0.001, 10.0));
+      ->check(Between(0.001, 10.0));
   eval->add_option("--points", a->points, "of a map: mesh (samples of its surface) or voxels (their centres)")
       ->check(OneOf("points", {"mesh", "voxels"}));
-  eval->add_option("--spacing", a->spacing_m, "m between samples of a mesh")->check(CLI::Range(0.001, 1.0));
+  eval->add_option("--spacing", a->spacing_m, "m between samples of a mesh")->check(Between(0.001, 1.0));
   eval->add_option("--distance-limit", a->limit_m, "m: longer distances count as this")
-      ->check(CLI::Range(0.01, 10.0));
+      ->check(Between(0.01, 10.0));
   eval->add_option("--json", a->json, "write the numbers here too");
   AddThreads(eval, &a->threads);
   eval->callback([=] { *action = [=] { return EvalCommand(*a); }; });
@@ -90,7 +89,7 @@ void AddExport(CLI::App* app, Action* action) {
   CLI::App* command =
       app->add_subcommand("export", "A map as OctoMap .bt or .ot, or its surface voxels as PLY");
   command->add_option("map", a->map, "map.atlas")->required();
-  command->add_option("--out", a->out, "FILE.bt, FILE.ot or FILE.ply")->required();
+  AddOut(command, &a->out, "FILE.bt, FILE.ot or FILE.ply")->required();
   command->callback([=] { *action = [=] { return ExportCommand(*a); }; });
 }
 

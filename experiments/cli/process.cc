@@ -1,6 +1,7 @@
 #include "experiments/cli/process.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <exception>
 #include <iostream>
@@ -12,6 +13,11 @@
 namespace atlas::experiments {
 namespace {
 
+/// Ends a progress line that may stand there, where someone watches.
+const char* FreshLine() {
+  return isatty(STDERR_FILENO) != 0 ? "\n" : "";
+}
+
 void CheckTextOfArguments(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) core::RefuseControlCharacters(argv[i], fmt::format("argument {}", i));
 }
@@ -19,7 +25,7 @@ void CheckTextOfArguments(int argc, char** argv) {
 int FinishOutput(int code) {
   std::cout.flush();
   if (std::cout) return code;
-  std::cerr << "\natlas: standard output: cannot write\n";
+  std::cerr << FreshLine() << "atlas: standard output: cannot write\n";
   return code == 0 ? 1 : code;
 }
 
@@ -31,10 +37,10 @@ int RunProcess(int argc, char** argv, const std::function<int()>& command) {
     CheckTextOfArguments(argc, argv);
     return FinishOutput(command());
   } catch (const core::InputError& error) {
-    std::cerr << "\natlas: " << error.what() << "\n";
+    std::cerr << FreshLine() << "atlas: " << error.what() << "\n";
     return 2;
   } catch (const std::exception& error) {
-    std::cerr << "\natlas: internal error: " << core::Printable(error.what()) << "\n";
+    std::cerr << FreshLine() << "atlas: internal error: " << core::Printable(error.what()) << "\n";
     return 1;
   }
 }

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Opens the folder and says where it is when it is not the one to be expected.
-fs::path FolderFor(const RunArguments& arguments, const ExperimentConfig& config) {
+fs::path FolderFor(const RunArguments& arguments, const ExperimentConfig& config, core::FolderLock* lock) {
   const bool numbered = arguments.out.empty();
   const fs::path wanted =
       numbered ? fs::path("runs") / config.experiment / std::to_string(config.seed) : arguments.out;
@@ -24,7 +24,8 @@ fs::path FolderFor(const RunArguments& arguments, const ExperimentConfig& config
                                          .force = arguments.force,
                                          .inputs = CheckedInputs(config, arguments.experiment),
                                          .experiment = config.experiment,
-                                         .seed = static_cast<uint64_t>(config.seed)});
+                                         .seed = static_cast<uint64_t>(config.seed),
+                                         .lock = lock});
   if (folder != wanted) {
     std::cerr << fmt::format("{} holds a run; this one goes to {}\n", wanted.string(), folder.string());
   }
@@ -46,7 +47,8 @@ int RunCommand(const RunArguments& arguments) {
   options.progress = [&](const std::string& text, bool final) { line.Show(text, final); };
   options.prepared = StopInOrderOnSignal;
   EndAtOnceOnSignal();
-  options.folder = FolderFor(arguments, config);
+  core::FolderLock lock;
+  options.folder = FolderFor(arguments, config, &lock);
 
   RunSummary summary;
   try {

@@ -16,7 +16,7 @@ void AddRun(CLI::App* app, int threads, Action* action) {
       ->check(SeedCheck());
   AddThreads(run, &a->threads);
   run->add_option("--set", a->assignments, "section.key=value, over the file")->take_all();
-  run->add_option("--out", a->out, "run folder (default: runs/EXPERIMENT/SEED, then SEED-2 ...)");
+  AddOut(run, &a->out, "run folder (default: runs/EXPERIMENT/SEED, then SEED-2 ...)");
   run->add_flag("--force", a->force, "replace the run that the folder holds");
   run->add_flag("--video", a->video, "write video.mp4");
   run->callback([=] { *action = [=] { return RunCommand(*a); }; });
@@ -26,17 +26,21 @@ void AddRender(CLI::App* app, Action* action) {
   const auto a = std::make_shared<RenderArguments>();
   CLI::App* render = app->add_subcommand("render", "Video or picture of a recorded run, or of a scene");
   render->add_option("run", a->what, "run folder; with --still also a scene (atlas list scenes)")->required();
-  render->add_option("--out", a->out, "FILE.mp4, or FILE.png with --still (default: in the run folder)");
-  render->add_option("--speed", a->speed, "times real time")->check(CLI::Range(0.1, 100.0));
+  AddOut(render, &a->out, "FILE.mp4, or FILE.png with --still (default: in the run folder)");
+  render->add_option("--speed", a->speed, "times real time")->check(Between(0.1, 100.0));
   render->add_option("--size", a->size, "WIDTHxHEIGHT in pixels");
   CLI::Option* still =
       render->add_option("--still", a->still_time_s, "a picture at this simulated time (s), or at the end")
+          ->check(Between(0.0, 1e9))
           ->expected(0, 1);
   render->add_flag("--plan", a->plan,
                    "the ground from above: free or why not, way, scans, ways too narrow (FILE.png)");
   render->add_option("--eye", a->eye, "X Y Z (m) of a camera that stays there (default: it finds its place)")
+      ->check(Between(-1e6, 1e6))
       ->expected(3);
-  render->add_option("--target", a->target, "X Y Z (m) that it looks at")->expected(3);
+  render->add_option("--target", a->target, "X Y Z (m) that it looks at")
+      ->check(Between(-1e6, 1e6))
+      ->expected(3);
   render->callback([=] {
     a->still = still->count() > 0;
     *action = [=] { return RenderCommand(*a); };

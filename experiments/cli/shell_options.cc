@@ -61,9 +61,25 @@ int CompletionCommand(const CLI::App& app, const std::string& shell) {
 
 }  // namespace
 
+CLI::Validator Between(double least, double most) {
+  return {[=](std::string& value) {
+            double number = 0.0;
+            const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+            const bool whole = error == std::errc{} && end == value.data() + value.size();
+            if (whole && number >= least && number <= most) return std::string();
+            return fmt::format("'{}' is not a number from {} to {}", value, least, most);
+          },
+          fmt::format("[{}, {}]", least, most)};
+}
+
+CLI::Option* AddOut(CLI::App* command, std::filesystem::path* out, const std::string& doc) {
+  return command->add_option("--out", *out, doc)->check([](const std::string& value) {
+    return value.empty() ? std::string("must not be empty") : std::string();
+  });
+}
+
 void AddThreads(CLI::App* command, int* threads) {
-  command->add_option("--threads", *threads, "threads; results do not depend on it")
-      ->check(CLI::Range(1, 64));
+  command->add_option("--threads", *threads, "threads; results do not depend on it")->check(Between(1, 64));
 }
 
 CLI::Validator SeedCheck() {

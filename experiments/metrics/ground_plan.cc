@@ -22,6 +22,7 @@ static_assert(static_cast<int>(GroundKind::kCutOff) == static_cast<int>(GroundCo
               "the first codes are the kinds");
 
 constexpr int kMostCells = 1 << 28;
+constexpr double kFarthest_m = 1e6, kFinest_m = 1e-3, kCoarsest_m = 100.0;
 
 /// Squared distance in cells below which a cell is nearer than `distance_m` to one that is not free.
 int Within2(double distance_m, double cell_m) {
@@ -133,6 +134,11 @@ GroundImage LoadGroundImage(const std::filesystem::path& folder) {
     if (!yaml["origin"].IsSequence() || yaml["origin"].size() < 2)
       throw InputError(legend + ": origin: expected [x, y, 0]");
     image.origin = core::Vec2(yaml["origin"][0].as<double>(), yaml["origin"][1].as<double>());
+    if (!image.origin.allFinite() || image.origin.norm() > kFarthest_m)
+      throw InputError(fmt::format("{}: origin: must lie within {} m", legend, kFarthest_m));
+    if (!(image.cell_m >= kFinest_m && image.cell_m <= kCoarsest_m))
+      throw InputError(fmt::format("{}: resolution: is {}, must be {} to {} m", legend, image.cell_m,
+                                   kFinest_m, kCoarsest_m));
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{}:{}: {}", legend, std::max(error.mark.line, 0) + 1, error.msg));
   }
@@ -142,7 +148,7 @@ GroundImage LoadGroundImage(const std::filesystem::path& folder) {
   int most = 0;
   head >> magic >> image.cols >> image.rows >> most;
   const bool sane = magic == "P5" && most == 255 && image.cols > 0 && image.rows > 0 &&
-                    image.rows <= kMostCells / image.cols && image.cell_m > 0.0;
+                    image.rows <= kMostCells / image.cols;
   const size_t count = sane ? static_cast<size_t>(image.cols) * static_cast<size_t>(image.rows) : 0;
   if (!sane || pgm.size() < count + static_cast<size_t>(head.tellg()) + 1)
     throw InputError(file + ": expected a binary PGM (P5) of 8 bits, whole");
@@ -185,6 +191,8 @@ std::vector<planner::BlockedWay> LoadBlockedWays(const std::filesystem::path& fo
   for (int number = 2; std::getline(text, line); ++number) {
     if (line.empty()) continue;
     const bool judged = !line.ends_with(',');
+    if (std::count(line.begin(), line.end(), ',') != 4 || line.find(",,") != std::string::npos)
+      throw InputError(fmt::format("{}:{}: expected five numbers", file, number));
     std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream cells(line);
     planner::BlockedWay way;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <sstream>
 
 #include "core/errors.h"
@@ -36,11 +37,19 @@ size_t ColumnOf(const std::vector<std::string>& header, const std::string& name,
   throw InputError(fmt::format("{}: column '{}' is missing", origin, name));
 }
 
+/// @throws InputError for a row that was cut short.
+void CheckWidth(const std::vector<std::string>& cells, const std::vector<std::string>& header,
+                const std::string& origin, int line) {
+  if (cells.size() == header.size()) return;
+  throw InputError(
+      fmt::format("{}:{}: {} cells, the header has {}", origin, line, cells.size(), header.size()));
+}
+
 double NumberIn(const std::vector<std::string>& cells, size_t column, const std::string& origin, int line) {
   double value = 0.0;
   const std::string cell = column < cells.size() ? cells[column] : "";
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size()) {
+  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
     throw InputError(
         fmt::format("{}:{}: expected a number in column {}, found '{}'", origin, line, column + 1, cell));
   }
@@ -162,6 +171,7 @@ CoverageCurve LoadCoverageCurve(const std::filesystem::path& run_folder) {
   for (int number = 2; std::getline(text, line); ++number) {
     if (line.empty()) continue;
     const std::vector<std::string> cells = SplitLine(line);
+    CheckWidth(cells, header, origin, number);
     curve.scan.push_back(NumberIn(cells, scan, origin, number));
     curve.sim_time_s.push_back(NumberIn(cells, time, origin, number));
     curve.distance_m.push_back(NumberIn(cells, distance, origin, number));
@@ -186,6 +196,7 @@ std::vector<core::Vec2> LoadScanPlaces(const std::filesystem::path& run_folder) 
   for (int number = 2; std::getline(text, line); ++number) {
     if (line.empty()) continue;
     const std::vector<std::string> cells = SplitLine(line);
+    CheckWidth(cells, header, origin, number);
     places.emplace_back(NumberIn(cells, x, origin, number), NumberIn(cells, y, origin, number));
   }
   return places;

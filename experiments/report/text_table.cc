@@ -1,8 +1,10 @@
+#include "experiments/report/text_table.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "experiments/report/text_table.h"
+#include "core/safe_text.h"
 
 namespace atlas::experiments {
 namespace {
@@ -40,13 +42,6 @@ std::string EscapeLatex(const std::string& text) {
     }
   }
   return safe;
-}
-
-std::string EscapeCsv(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 template <typename Escape>
@@ -120,8 +115,8 @@ std::string ToMarkdown(const TextTable& table) {
 }
 
 std::string ToCsv(const TextTable& table) {
-  std::string text = Join(table.heading, ",", EscapeCsv) + "\n";
-  for (const auto& row : table.rows) text += Join(row, ",", EscapeCsv) + "\n";
+  std::string text = Join(table.heading, ",", core::CsvCell) + "\n";
+  for (const auto& row : table.rows) text += Join(row, ",", core::CsvCell) + "\n";
   return text;
 }
 

@@ -87,8 +87,7 @@ bool EndedOtherwise(const fs::path& folder, RunStatus status) {
 
 void ClaimLeftovers(const SweepRun& run) {
   std::error_code error;
-  const bool left = fs::exists(run.folder / "summary.json", error) ||
-                    (fs::exists(run.folder / kConsoleLog, error) && !RunFileIn(run.folder).empty());
+  const bool left = fs::exists(run.folder / kConsoleLog, error) && !RunFileIn(run.folder).empty();
   if (!left || HoldsRun(run.folder)) return;
   ClaimRunFolder(run.folder, core::FileNameFrom(fs::path(run.experiment).stem().string()), run.seed);
 }

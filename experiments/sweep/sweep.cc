@@ -1,9 +1,6 @@
 #include "experiments/sweep/sweep.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <map>
 #include <ostream>
@@ -11,6 +8,7 @@
 #include "core/cpus.h"
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/folder_lock.h"
 #include "core/safe_text.h"
 #include "experiments/report/mapper_pairs.h"
 #include "experiments/report/tables.h"
@@ -22,26 +20,11 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Held while a sweep runs in a folder, so that two cannot mix their runs.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    const fs::path path = folder / ".lock";
-    file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644);
-    if (file_ < 0) throw core::InputError(folder.string() + ": cannot write there");
-    if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      close(file_);
-      throw core::InputError(folder.string() + ": another sweep is running there");
-    }
-  }
-  ~FolderLock() { close(file_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int file_ = -1;
-};
+core::FolderLock Locked(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  return core::FolderLock(folder);
+}
 
 /// @throws InputError: what is wrong with a run of the sweep, naming its file and the field that set it.
 [[noreturn]] void FailIn(const SweepSpec& spec, const SweepRun& run, const std::string& what) {
@@ -171,7 +154,7 @@ double RunTimeEstimate::SecondsFor(const SweepRun& run) const {
 int RunSweep(const SweepSpec& spec, const SweepOptions& options, std::ostream& out) {
   const fs::path folder = options.out.empty() ? fs::path("runs") / ("sweep_" + spec.name) : options.out;
   const std::vector<SweepRun> runs = IdentifiedRuns(spec, options, folder);
-  const FolderLock lock(folder);
+  const core::FolderLock lock = Locked(folder);
   core::RemoveStaleTemporaries(folder);
 
   std::vector<SweepRun> pending;

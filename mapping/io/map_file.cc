@@ -119,7 +119,8 @@ class FrameWriter {
 
 void CheckMagicAndVersion(core::ByteReader* reader, std::string_view bytes) {
   if (!bytes.starts_with(kMagic)) {
-    reader->Fail(fmt::format("not a map file: does not begin with SEATLAS ({} bytes)", bytes.size()));
+    reader->Fail(
+        fmt::format("not a map file: does not begin with SEATLAS and a line feed ({} bytes)", bytes.size()));
   }
   reader->Take(kMagic.size());
   const auto version = reader->Next<uint32_t>();
@@ -256,6 +257,8 @@ AnyOctree ReadMap(const std::filesystem::path& path) {
 }
 
 bool IsMapFile(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
   std::ifstream in(path, std::ios::binary);
   std::string magic(kMagic.size(), '\0');
   in.read(magic.data(), static_cast<std::streamsize>(magic.size()));

@@ -273,6 +273,7 @@ RecordedCloud ParsePcd(std::string_view bytes, const std::string& file) {
 
 core::Pose ViewpointOf(const std::filesystem::path& path) {
   constexpr size_t kMostHeaderBytes = 8192;
+  core::CheckReadable(path);
   std::ifstream in(path, std::ios::binary);
   std::string head(kMostHeaderBytes, '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));

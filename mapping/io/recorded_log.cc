@@ -152,12 +152,16 @@ std::vector<RecordedCloud> RecordedLog::Impl::CloudsForBeams(bool transpose) con
   return clouds;
 }
 
+/// Of the catalogue, or an Ouster's JSON file. @throws InputError.
+static core::LidarModel NamedLidar(const std::string& name_or_file) {
+  const bool is_file = fs::path(name_or_file).extension() == ".json";
+  return is_file ? ReadOusterMetadata(name_or_file) : core::FindLidarModel(name_or_file);
+}
+
 BeamFit RecordedLog::Impl::Fit(const std::vector<RecordedCloud>& clouds) const {
   if (options.lidar == "auto" || options.lidar == "estimate")
     return EstimateBeams(clouds, source->description());
-  const bool is_file = fs::path(options.lidar).extension() == ".json";
-  return FitBeams(is_file ? ReadOusterMetadata(options.lidar) : core::FindLidarModel(options.lidar), clouds,
-                  source->description());
+  return FitBeams(NamedLidar(options.lidar), clouds, source->description());
 }
 
 void RecordedLog::Impl::EstimateOrGiveUp() {
@@ -182,6 +186,9 @@ void RecordedLog::Impl::FindBeams() {
   if (!first.organised) {
     if (options.lidar == "estimate")
       throw InputError(fmt::format("{}: not organised: beams cannot be estimated", source->description()));
+    if (options.lidar == "auto") return;
+    NamedLidar(options.lidar);  // bad where it does not matter is bad, too
+    beams_text = fmt::format("clouds are not organised: beams of {} are not used", options.lidar);
     return;
   }
   EstimateOrGiveUp();

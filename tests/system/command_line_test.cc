@@ -46,6 +46,13 @@ TEST_F(CommandLine, BadValuesNameKeyValueAndLimit) {
   }
   ExpectRefusal("run helicopter --set planner=", {"--set planner=", "empty"});
   ExpectRefusal("run helicopter --threads 0", {"--threads"});
+  for (const char* command :
+       {"map --scans x --resolution nan", "map --scans x --max-range nan", "map --scans x --max-dt nan",
+        "record house --speed nan", "record house --truth-spacing nan", "render x --speed nan",
+        "sweep table_3_1 --limit nan"}) {
+    ExpectRefusal(command, {"nan", "not a number from"});
+  }
+  ExpectRefusal("run helicopter --out ''", {"--out", "empty"});
 }
 
 TEST_F(CommandLine, BadFilesAreNamed) {

@@ -91,6 +91,7 @@ TEST_F(WholeRunFolder, ARunIsReplacedOnlyByOneWhoseInputsAreSound) {
   WriteFileAtomically(dir_ / "mine/bad.xml", "<mujoco/>\n");
   const auto before = Contents();
   ExpectRefusal("run first/config.yaml --out first --force", {"first", "choose another --out"});
+  ExpectRefusal("map --scans mine --poses mine/poses.txt --out first", {"first: holds a run"});
   ExpectRefusal("run mine/exp/walk.yaml --set scene=first/scene/tent.yaml --out first --force", {"first"});
   ExpectRefusal("run mine/exp/walk.yaml --set robot=mine/bad.xml --out first --force", {"bad.xml"});
   ExpectRefusal("run mine/exp/walk.yaml --set scene=absent.yaml --out first --force", {"absent.yaml"});

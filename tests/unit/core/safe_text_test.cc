@@ -64,6 +64,11 @@ TEST(InputError, NeverSendsWhatItQuotes) {
   EXPECT_STREQ(InputError("unknown key 'a\x1b[31m\nb' \n").what(), "unknown key 'a\\x1b[31m\\nb'");
 }
 
+TEST(CsvCell, IsQuotedWhereItWouldEndOrSplitTheRow) {
+  EXPECT_EQ(CsvCell("rotor blade"), "rotor blade");
+  EXPECT_EQ(CsvCell("a,b \"q\""), "\"a,b \"\"q\"\"\"");
+}
+
 TEST(FileName, KeepsPlainNames) {
   for (const char* name : {"helicopter", "facade_grass", "0.05", "a-b.c"})
     EXPECT_EQ(FileNameFrom(name), name);

@@ -170,7 +170,9 @@ TEST_F(GroundPlanFiles, DamagedImagesAreRefusedByName) {
   core::WriteFileAtomically(folder_ / "terrain.pgm", head + "\1\1\1\1");
   EXPECT_EQ(LoadGroundImage(folder_).code.size(), 4u);
   for (const char* yaml : {"resolution: wide\norigin: [0, 0]\n", "resolution: 0.1\norigin: 3\n",
-                           "resolution: 0.1\norigin: [a, b]\n", "resolution: [\n", "resolution: 0.1\n", ""}) {
+                           "resolution: 0.1\norigin: [a, b]\n", "resolution: [\n", "resolution: 0.1\n", "",
+                           "resolution: 0.1\norigin: [.nan, 0]\n", "resolution: 0.1\norigin: [0, .inf]\n",
+                           "resolution: 0\norigin: [0, 0]\n", "resolution: .nan\norigin: [0, 0]\n"}) {
     core::WriteFileAtomically(folder_ / "terrain.yaml", yaml);
     ExpectRefusal(read, {"terrain.yaml"});
   }

@@ -65,6 +65,7 @@ TEST_F(RunFolderTest, ANamedFolderThatHoldsARunIsRefusedUnlessForced) {
   WriteRun("mine", "first");
   Write("mine/map.bt", "of the run before");
   Write("mine/scene/old.yaml", "x");
+  Write("mine/inputs.txt", "scene/old.yaml\n");
   Write("mine/notes.txt", "the user's own");
   const auto before = Contents();
   EXPECT_EQ(Refusal(Named("mine")),
@@ -78,6 +79,18 @@ TEST_F(RunFolderTest, ANamedFolderThatHoldsARunIsRefusedUnlessForced) {
   EXPECT_EQ(claim.experiment, "walk");
   EXPECT_EQ(claim.seed, 7u);
   EXPECT_EQ(claim.status, RunStatus::kInterrupted);
+}
+
+TEST_F(RunFolderTest, AFolderInWhichARunGoesOnIsRefusedEvenByForce) {
+  core::FolderLock held;
+  RunFolderRequest first = Named("mine");
+  first.lock = &held;
+  OpenRunFolder(first);
+  WriteRun("mine", "walk");
+  EXPECT_NE(Refusal(Named("mine", true)).find("another process works there"), std::string::npos);
+  EXPECT_NE(Refusal(Named("mine")).find("holds a run"), std::string::npos);
+  held = core::FolderLock();
+  EXPECT_EQ(Refusal(Named("mine", true)), "");
 }
 
 TEST_F(RunFolderTest, AFolderWithoutARunIsTaken) {
@@ -131,6 +144,7 @@ TEST_F(RunFolderTest, AFolderThatHoldsAnInputIsRefusedAndKept) {
 TEST_F(RunFolderTest, WhatIsDiscardedIsWhatWasMadeWhereNoRunHasBegun) {
   OpenRunFolder(Named("new"));
   Write("new/scene/copy.yaml", "x");
+  Write("new/inputs.txt", "scene/copy.yaml\n");
   DiscardInputs(root_ / "new");
   EXPECT_FALSE(fs::exists(root_ / "new"));
 
@@ -206,6 +220,30 @@ TEST_F(KeptInputs, TheHashFollowsParametersSceneMeshAndRobot) {
   EXPECT_EQ(
       IdentityOf(LoadExperiment((root_ / "mine/exp/walk.yaml").string(), {"output.video=true"})).config_hash,
       hash);  // what is written beside changes no result
+}
+
+TEST_F(KeptInputs, AForcedRunRemovesItsCopiesAndNothingThatLiesBesideThem) {
+  OpenRunFolder(Named("run"));
+  Keep();
+  Write("run/scene/notes.txt", "mine");
+  Write("run/robot/mine/gripper.xml", "mine");
+  Write("elsewhere/kept.obj", "mine");
+  fs::create_directory_symlink(root_ / "elsewhere", root_ / "run/robot/link");
+  const std::string list = core::ReadFile(root_ / "run/inputs.txt");
+  EXPECT_NE(list.find("scene/shed.yaml\n"), std::string::npos) << list;
+  EXPECT_NE(list.find("robot/dog.xml\n"), std::string::npos) << list;
+  Write("run/inputs.txt",
+        list + "scene/../../elsewhere/kept.obj\nrobot/link/kept.obj\nnotes\n/etc/hostname\n");
+  Write("run/notes", "mine");
+  OpenRunFolder(Named("run", true));
+  for (const char* kept :
+       {"run/scene/notes.txt", "run/robot/mine/gripper.xml", "elsewhere/kept.obj", "run/notes"}) {
+    EXPECT_EQ(core::ReadFile(root_ / kept), "mine");
+  }
+  for (const char* gone :
+       {"run/scene/shed.yaml", "run/scene/shed.obj", "run/robot/dog.xml", "run/inputs.txt"}) {
+    EXPECT_FALSE(fs::exists(root_ / gone)) << gone;
+  }
 }
 
 TEST_F(KeptInputs, BadScenesAreNamedByTheUsersFileAndNothingIsKept) {

@@ -13,6 +13,7 @@
 #include "core/errors.h"
 #include "core/files.h"
 #include "experiments/experiment_config.h"
+#include "experiments/run_folder.h"
 #include "experiments/sweep/run_pool.h"
 #include "experiments/sweep/slurm.h"
 #include "experiments/sweep/sweep.h"
@@ -134,6 +135,18 @@ TEST_F(SweepSafety, AFolderOfTheUsersIsNotTakenForARun) {
   spec_.limit_s = 0.3;
   Run({"deaf"});
   EXPECT_FALSE(fs::exists(options_.out / "deaf/1/summary.json"));
+}
+
+TEST_F(SweepSafety, ASummaryOfTheUsersIsNotTakenForALeftover) {
+  SweepRun run;
+  run.experiment = "car";
+  run.folder = options_.out / "car/1";
+  core::WriteFileAtomically(run.folder / "summary.json", "{\"mine\": 1}");
+  ClaimLeftovers(run);
+  EXPECT_EQ(core::ReadFile(run.folder / "summary.json"), "{\"mine\": 1}");
+  core::WriteFileAtomically(run.folder / "console.log", "");
+  ClaimLeftovers(run);
+  EXPECT_TRUE(HoldsRun(run.folder)) << "what a sweep's child left";
 }
 
 TEST_F(SweepSafety, AChildThatStopsAnsweringMeetsTheLimit) {

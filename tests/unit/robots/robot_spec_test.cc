@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "robots/robot_files.h"
 
 namespace atlas::robots {
 namespace {
@@ -86,6 +88,31 @@ TEST_F(RobotFile, ElementsNestedTooDeeplyAreRefusedHoweverTheirTagsAreSpelt) {
   for (const char* tag : {"<a\"b>\"/>", "<a=\">\"/>", "<a \"b=\"/>\">", "<!DOCTYPE [</a>]><a>", "<a b<c>"}) {
     EXPECT_NE(refusal(tag, 100000).find("malformed XML"), std::string::npos) << tag;
   }
+}
+
+TEST_F(RobotFile, IncludesWithoutEndAndFilesWithoutEndAreRefused) {
+  for (int level = 0; level < 12; ++level) {
+    std::string xml = "<mujoco>";
+    for (int i = 0; i < 8; ++i) xml += fmt::format("<include file='{}.xml'/>", level + 1);
+    core::WriteFileAtomically(folder_ / fmt::format("{}.xml", level), xml + "</mujoco>");
+  }
+  core::WriteFileAtomically(folder_ / "12.xml", "<mujoco/>");
+  const auto refusal = [&](const std::string& body) {
+    const std::string file = With("<worldbody>", body + "<worldbody>");
+    try {
+      FilesOfRobot(file);
+    } catch (const core::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refusal("<include file='0.xml'/>").find("more than 256"), std::string::npos);
+  EXPECT_NE(refusal("<include file='/dev/zero'/>").find("/dev/zero: is a device"), std::string::npos);
+  const std::string pipe = (folder_ / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(refusal("<include file='pipe'/>").find("a pipe, not a file"), std::string::npos);
+  EXPECT_NE(refusal("<asset><texture name='t' type='2d' file='pipe'/></asset>").find("a pipe, not a file"),
+            std::string::npos);
 }
 
 TEST_F(RobotFile, SiblingsAreNotDepthAndMarkupInTextsAndCommentsIsNone) {
