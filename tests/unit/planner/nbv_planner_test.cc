@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/errors.h"
@@ -316,6 +317,40 @@ TEST(NbvPlanner, ACommitmentHoldsWhileTheRobotIsOnItsWay) {
   const bool same_place = (kept.p_map - view.p_map).norm() < 0.5;
   EXPECT_TRUE(same_place || kept.utility == best_utility);
   EXPECT_GE(kept.utility * 1.151, best_utility);
+}
+
+/// Of two views that promise alike, the one that the robot set out for; a margin says how much better another
+/// must be.
+TEST(NbvPlanner, ACommitmentYieldsToAViewThatIsBetterByTheMarginOnly) {
+  const auto map = NearSideMapped();
+  int kept = 0, turned = 0;
+  for (const double margin : {10.0, 0.0}) {
+    for (const Vec2& on_the_way :
+         {Vec2(0.3, -2.8), Vec2(1.5, -3.0), Vec2(-1.5, -3.0), Vec2(2.5, -2.0), Vec2(-2.5, -2.0)}) {
+      NbvParams params = SmallParams("greedy");
+      params.commit_margin = margin;
+      params.nodes = 600;  // every place of the lattice, whichever the robot stands at
+      params.rays = 100;
+      const auto planner = Make(params);
+      planner->OnSweep(kRobot, 500);
+      const NbvDecision first = planner->Plan(kRobot, map, GroundAboutObject(Vec2(0.0, -3.0)));
+      const Pose there = core::PoseFromXyzYaw(Vec3(on_the_way.x(), on_the_way.y(), 0.44), 0.3);
+      const NbvDecision second = planner->Plan(there, map, GroundAboutObject(on_the_way));
+      ASSERT_EQ(second.outcome, NbvOutcome::kView);
+      const Candidate& before = first.candidates[static_cast<size_t>(first.best)];
+      const auto same = [&](const Candidate& c) {
+        return (c.p_map - before.p_map).norm() < 0.5 &&
+               std::abs(core::WrapAngle(c.yaw_rad - before.yaw_rad)) < core::Radians(50.0) && c.utility > 0.0;
+      };
+      if (std::none_of(second.candidates.begin(), second.candidates.end(), same)) continue;
+      const bool keeps = same(second.candidates[static_cast<size_t>(second.best)]);
+      EXPECT_TRUE(keeps || margin == 0.0) << on_the_way.transpose();
+      kept += margin > 0.0 && keeps;
+      turned += margin == 0.0 && !keeps;
+    }
+  }
+  EXPECT_GT(kept, 0);
+  EXPECT_GT(turned, 0) << "without a margin the greatest utility is taken";
 }
 
 TEST(NbvPlanner, ViewsThatBreakTheirPromisesAreDropped) {
