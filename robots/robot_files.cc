@@ -32,7 +32,7 @@ void ResolveIncludes(ptree* node, const fs::path& folder, std::vector<fs::path>*
     const fs::path file = folder / at->second.get("<xmlattr>.file", "");
     if (depth == kDeepest) throw core::InputError(file.string() + ": includes are nested too deeply");
     if (included->size() == kMost) {
-      throw core::InputError(fmt::format("{}: one include more than {}", file.string(), kMost));
+      throw core::InputError(fmt::format("{}: one include more than {}", file.string(), included->size()));
     }
     included->push_back(file);
     ptree content = ReadXml(file);

@@ -66,6 +66,7 @@ TEST(InputError, NeverSendsWhatItQuotes) {
 
 TEST(CsvCell, IsQuotedWhereItWouldEndOrSplitTheRow) {
   EXPECT_EQ(CsvCell("rotor blade"), "rotor blade");
+  EXPECT_EQ(CsvCell("a,b"), "\"a,b\"");
   EXPECT_EQ(CsvCell("a,b \"q\""), "\"a,b \"\"q\"\"\"");
 }
 
