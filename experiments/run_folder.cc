@@ -146,6 +146,31 @@ void SetRow(ExperimentConfig* config, const std::string& path, const std::string
   }
 }
 
+/// What `load` gives for the value of a row. @throws InputError as it does, and where the value is no file
+/// (which messages name), tells where it was set.
+template <typename Load>
+auto LoadNamed(const ExperimentConfig& config, const std::string& path, const std::string& value,
+               const Load& load) {
+  try {
+    return load(value);
+  } catch (const core::InputError& error) {
+    const auto row = std::find_if(config.rows.begin(), config.rows.end(),
+                                  [&](const core::ParamRow& r) { return r.path == path; });
+    const bool told = core::IsFileName(value) || row == config.rows.end() || row->origin == "default";
+    if (told) throw;
+    throw core::InputError(fmt::format("{}: {}: {}", row->origin, path, error.what()));
+  }
+}
+
+/// Writes kInputsFile: what `kept` names in the folder.
+void ListInputs(const ExperimentConfig& kept, const fs::path& folder) {
+  std::vector<fs::path> files = scenes::FilesOfScene(kept.scene.name);
+  for (fs::path& file : robots::FilesOfRobot(kept.robot.name)) files.push_back(std::move(file));
+  std::string lines;
+  for (const fs::path& file : files) lines += file.lexically_proximate(folder).string() + "\n";
+  core::WriteFileAtomically(folder / kInputsFile, lines);
+}
+
 }  // namespace
 
 bool HoldsRun(const fs::path& folder) {
@@ -169,22 +194,6 @@ std::string RunFileIn(const fs::path& folder) {
     if (stands(name)) return name;
   }
   return "";
-}
-
-/// What `load` gives for the value of a row. @throws InputError as it does, and where the value is no file
-/// (which messages name), tells where it was set.
-template <typename Load>
-static auto LoadNamed(const ExperimentConfig& config, const std::string& path, const std::string& value,
-                      const Load& load) {
-  try {
-    return load(value);
-  } catch (const core::InputError& error) {
-    const auto row = std::find_if(config.rows.begin(), config.rows.end(),
-                                  [&](const core::ParamRow& r) { return r.path == path; });
-    const bool told = core::IsFileName(value) || row == config.rows.end() || row->origin == "default";
-    if (told) throw;
-    throw core::InputError(fmt::format("{}: {}: {}", row->origin, path, error.what()));
-  }
 }
 
 std::vector<fs::path> CheckedInputs(const ExperimentConfig& config, const std::string& experiment) {
@@ -235,15 +244,6 @@ fs::path OpenRunFolder(const RunFolderRequest& request) {
   return mine;
 }
 
-/// Writes kInputsFile: what `kept` names in the folder.
-static void ListInputs(const ExperimentConfig& kept, const fs::path& folder) {
-  std::vector<fs::path> files = scenes::FilesOfScene(kept.scene.name);
-  for (fs::path& file : robots::FilesOfRobot(kept.robot.name)) files.push_back(std::move(file));
-  std::string lines;
-  for (const fs::path& file : files) lines += file.lexically_proximate(folder).string() + "\n";
-  core::WriteFileAtomically(folder / kInputsFile, lines);
-}
-
 ExperimentConfig KeepInputs(const ExperimentConfig& config, const fs::path& folder) {
   ExperimentConfig kept = config;
   robots::LoadRobot(config.robot.name);
@@ -266,7 +266,11 @@ void DiscardInputs(const fs::path& folder) {
     return;  // not of OpenRunFolder
   }
   std::error_code error;
-  RemoveInputs(folder);
+  try {
+    RemoveInputs(folder);
+  } catch (const core::InputError&) {
+    return;  // of two errors the first is told; the claim says that a run was here
+  }
   fs::remove(folder / "summary.json", error);
   fs::remove(folder, error);
 }

@@ -103,6 +103,12 @@ RecordedPoses ReadPosesOf(const std::string& path, const std::optional<Calibrati
   return poses;
 }
 
+/// Of the catalogue, or an Ouster's JSON file. @throws InputError.
+core::LidarModel NamedLidar(const std::string& name_or_file) {
+  const bool is_file = fs::path(name_or_file).extension() == ".json";
+  return is_file ? ReadOusterMetadata(name_or_file) : core::FindLidarModel(name_or_file);
+}
+
 }  // namespace
 
 struct RecordedLog::Impl {
@@ -150,12 +156,6 @@ std::vector<RecordedCloud> RecordedLog::Impl::CloudsForBeams(bool transpose) con
     if (transpose) clouds.back() = Transposed(clouds.back());
   }
   return clouds;
-}
-
-/// Of the catalogue, or an Ouster's JSON file. @throws InputError.
-static core::LidarModel NamedLidar(const std::string& name_or_file) {
-  const bool is_file = fs::path(name_or_file).extension() == ".json";
-  return is_file ? ReadOusterMetadata(name_or_file) : core::FindLidarModel(name_or_file);
 }
 
 BeamFit RecordedLog::Impl::Fit(const std::vector<RecordedCloud>& clouds) const {
