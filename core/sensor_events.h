@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/geometry.h"
@@ -55,7 +56,8 @@ struct LidarScan {
 struct SpinEvent {
   LidarScan scan;
   PoseTrajectory T_odom_lidar;
-  bool scanning = false;  ///< part of a scanning action (see Sweep)
+  /// Part of a scanning action (thesis 3.3, 3.6.1): one roll from + to - and back.
+  bool scanning = false;
 };
 
 /// Depth along the optical axis, row-major, top row first; pixel centres at (u + 0.5, v + 0.5).
@@ -86,16 +88,8 @@ class SensorSink {
  public:
   virtual ~SensorSink() = default;
   virtual void OnState(const StateEvent&) {}
-  virtual void OnSpin(const SpinEvent&) {}
+  virtual void OnSpin(const std::shared_ptr<const SpinEvent>&) {}
   virtual void OnDepth(const DepthEvent&) {}
-};
-
-/// The scanning action (thesis 3.3, 3.6.1): all spins of one roll from + to - and back, with the odometry
-/// they were taken under, and the map pose of that odometry at its end (T_map_odom = T_map_base *
-/// T_odom_base^-1).
-struct Sweep {
-  std::vector<SpinEvent> spins;
-  Pose T_map_odom = Pose::Identity();
 };
 
 }  // namespace atlas::core

@@ -11,6 +11,7 @@
 #include "experiments/mission_metrics.h"
 #include "experiments/run_film.h"
 #include "experiments/run_folder.h"
+#include "experiments/run_localiser.h"
 #include "experiments/sensor_feed.h"
 #include "experiments/stopwatch.h"
 #include "planner/utility/surface_tally.h"
@@ -34,19 +35,17 @@ struct Mission {
         metrics(config, options, scene, robot),
         simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
         mapper(mapping::MakeMapper(config.mapper, scene.object_box, Lidar())),
+        localiser(MakeLocaliserFor(config, scene, *simulator, rng.Split("sim").Split("odometry"))),
+        cloud(mapping::RegionOf(config.mapper, scene.object_box), config.mapper.integrator.max_range_m,
+              config.mapper.downsample_m),
         terrain(config.planner.terrain, robot),
-        feed(
-            {.cloud_spacing_m = config.mapper.downsample_m}, &terrain, mapper.get(),
-            [this](const mapping::ReturnCloud& cloud) {
-              metrics.TakeCloud(cloud);
-              returns_map.insert(returns_map.end(), cloud.points.begin(), cloud.points.end());
-            },
-            &lanes),
+        feed({}, Listeners(), &lanes),
         planner(planner::MakeNbvPlanner(config.planner, RobotModel(), scene.object_box, options.threads,
                                         rng.Split("planner"))),
         surface(scene.object_box, config.mapper.resolution_m),
         lanes(kTaskLanes, options.threads > 1) {
     terrain.InitialiseUnderRobot(T_map_base());
+    simulator->SetLocalisation(localiser->T_map_odom());
     simulator->SetSink(&feed);
     simulator->SetStop(options.should_stop);
     metrics.Attach(simulator.get());
@@ -57,6 +56,19 @@ struct Mission {
     sim::SimParams params = config.sim;
     params.sensors.threads = options.threads;
     return params;
+  }
+
+  SensorFeed::Listeners Listeners() {
+    return {.localiser = localiser.get(),
+            .terrain = &terrain,
+            .mapper = mapper.get(),
+            .cloud = &cloud,
+            .on_localised = [this](const Pose& T_map_odom) { simulator->SetLocalisation(T_map_odom); },
+            .on_cloud =
+                [this](const mapping::ReturnCloud& returns) {
+                  metrics.TakeCloud(returns);
+                  returns_map.insert(returns_map.end(), returns.points.begin(), returns.points.end());
+                }};
   }
 
   core::LidarModel Lidar() const {
@@ -76,7 +88,7 @@ struct Mission {
             .turning_radius_m = robot.footprint_radius_m};
   }
 
-  Pose T_map_base() const { return simulator->T_map_odom() * simulator->T_odom_base(); }
+  Pose T_map_base() const { return localiser->T_map_odom() * simulator->T_odom_base(); }
 
   const ExperimentConfig& config;
   const RunOptions& options;
@@ -87,6 +99,8 @@ struct Mission {
   MissionMetrics metrics;
   std::unique_ptr<sim::Simulator> simulator;
   std::unique_ptr<mapping::Mapper> mapper;
+  std::unique_ptr<mapping::Localiser> localiser;
+  mapping::ScanCloud cloud;
   planner::ElevationMap terrain;
   SensorFeed feed;
   std::unique_ptr<planner::NbvPlanner> planner;
@@ -101,7 +115,7 @@ struct Mission {
 std::optional<Ending> SweepAndIntegrate(Mission* m) {
   m->feed.SetMapping(SensorFeed::Mapping::kScanning);
   const Stopwatch sweeping;
-  const sim::MotionStatus status = m->simulator->RollSweep(nullptr);
+  const sim::MotionStatus status = m->simulator->RollSweep();
   m->feed.SetMapping(SensorFeed::Mapping::kNothing);
   if (const auto ending = EndingOf(status)) return ending;
   m->metrics.timing().sweep_wall_s = sweeping.seconds();

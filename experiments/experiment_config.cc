@@ -64,7 +64,7 @@ void ExperimentConfig::Visit(core::ParamVisitor& v) {
   v.Section("robot", &robot);
   v.Section("locomotion", &sim.locomotion);
   v.Section("odometry", &sim.odometry);
-  v.Section("localisation", &sim.localisation);
+  v.Section("localisation", &localisation);
   v.Section("sensors", &sim.sensors);
   v.Section("mapper", &mapper);
   v.Section("planner", &planner);

@@ -7,6 +7,7 @@
 
 #include "core/params.h"
 #include "mapping/mapper.h"
+#include "mapping/slam/localiser.h"
 #include "planner/nbv_planner.h"
 #include "sim/simulator.h"
 
@@ -46,6 +47,7 @@ struct ExperimentConfig {
   NamedParams scene{"helicopter", "built-in scene, or path/scene.yaml"};
   NamedParams robot{"quadruped", "built-in robot, or path/robot.xml"};
   sim::SimParams sim;
+  mapping::LocalisationParams localisation;
   mapping::MapperParams mapper;
   planner::NbvParams planner;
   MissionParams mission;

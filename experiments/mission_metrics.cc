@@ -31,7 +31,7 @@ RunSummary SummaryOf(const ExperimentConfig& config) {
   s.robot = std::filesystem::path(config.robot.name).stem().string();
   s.locomotion = config.sim.locomotion.name;
   s.terrain = TerrainLabel(config.sim.locomotion);
-  s.localisation = LocalisationLabel(config.sim.localisation);
+  s.localisation = LocalisationLabel(config.localisation);
   s.odometry = OdometryLabel(config.sim.odometry);
   s.mapper = config.mapper.name;
   s.planner = config.planner.name;

@@ -4,7 +4,7 @@
 
 namespace atlas::experiments {
 
-std::string LocalisationLabel(const sim::LocalisationParams& localisation) {
+std::string LocalisationLabel(const mapping::LocalisationParams& localisation) {
   if (localisation.name != "truth") return localisation.name;
   return fmt::format("truth, {:g} mm {:g} deg, {:g} s", 1e3 * localisation.sigma_m, localisation.sigma_deg,
                      localisation.period_s);

@@ -8,7 +8,7 @@
 namespace atlas::experiments {
 
 /// "truth, 5 mm 0.05 deg, 1 s": kind of localisation, its noise (standard deviation of each axis), period.
-std::string LocalisationLabel(const sim::LocalisationParams& localisation);
+std::string LocalisationLabel(const mapping::LocalisationParams& localisation);
 
 /// "random walk, 3 mm 0.02 deg after 1 m; height, roll and pitch true": drift of position (of each axis) and
 /// heading as standard deviations; it grows with the root of the distance.

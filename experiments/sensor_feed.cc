@@ -5,44 +5,11 @@
 #include <utility>
 
 #include "experiments/stopwatch.h"
-#include "mapping/undistort.h"
 
 namespace atlas::experiments {
 
-struct SensorFeed::Integration {
-  mapping::Mapper* mapper;
-  OnCloud on_cloud;
-  double spacing_m;
-  mapping::VoxelFilter filter{spacing_m};
-  Mapped mapped;
-
-  /// One cloud point a cell, of all revolutions between two drains.
-  mapping::ReturnCloud Thin(const mapping::ReturnCloud& cloud) {
-    mapping::ReturnCloud kept;
-    for (size_t i = 0; i < cloud.points.size(); ++i) {
-      if (filter.Insert(cloud.points[i])) kept.Add(cloud.points[i], cloud.origins[i]);
-    }
-    return kept;
-  }
-
-  void Take(const core::Sweep& sweep) {
-    const Stopwatch integrating;
-    const mapping::ReturnCloud cloud = Thin(mapper->Integrate(sweep));
-    mapped.integration_s += integrating.seconds();
-    mapped.cloud_points += cloud.points.size();
-    on_cloud(cloud);
-  }
-};
-
-SensorFeed::SensorFeed(const SensorFeedParams& params, planner::ElevationMap* terrain,
-                       mapping::Mapper* mapper, OnCloud on_cloud, core::TaskLanes* lanes)
-    : params_(params),
-      terrain_(terrain),
-      lanes_(lanes),
-      integration_(new Integration{.mapper = mapper,
-                                   .on_cloud = std::move(on_cloud),
-                                   .spacing_m = params.cloud_spacing_m,
-                                   .mapped = {}}) {
+SensorFeed::SensorFeed(const SensorFeedParams& params, const Listeners& listeners, core::TaskLanes* lanes)
+    : params_(params), to_(listeners), lanes_(lanes) {
   assert(params.terrain_latency_s < params.refresh_period_s);
 }
 
@@ -51,7 +18,7 @@ SensorFeed::~SensorFeed() = default;
 /// States come ten times as often as anything else and wait for company.
 core::TaskLanes::Ticket SensorFeed::Ingest(std::function<void(planner::ElevationMap*)> event) {
   return lanes_->Post(kTerrainLane,
-                      [terrain = terrain_, states = std::exchange(states_, {}), event = std::move(event)] {
+                      [terrain = to_.terrain, states = std::exchange(states_, {}), event = std::move(event)] {
                         for (const core::StateEvent& state : states) terrain->OnState(state);
                         event(terrain);
                       });
@@ -77,20 +44,27 @@ void SensorFeed::RefreshTerrain() {
 void SensorFeed::AdoptTerrain() {
   if (!std::exchange(refreshing_, false)) return;
   lanes_->Wait(kTerrainLane, refresh_);
-  terrain_->Publish();
+  to_.terrain->Publish();
 }
 
 void SensorFeed::OnState(const core::StateEvent& event) {
   now_s_ = event.time_s;
   if (refreshing_ && event.time_s >= adopt_s_) AdoptTerrain();
-  T_map_odom_ = event.T_map_odom;
+  to_.localiser->OnState(event);
+  const core::Pose T_map_odom = to_.localiser->T_map_odom();
+  to_.on_localised(T_map_odom);
   states_.push_back(event);
+  states_.back().T_map_odom = T_map_odom;
 }
 
-void SensorFeed::OnSpin(const core::SpinEvent& event) {
-  const auto kept = std::make_shared<const core::SpinEvent>(event);
-  Ingest([kept](planner::ElevationMap* terrain) { terrain->OnSpin(*kept); });
-  Integrate(kept);
+void SensorFeed::OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) {
+  Ingest([spin](planner::ElevationMap* terrain) { terrain->OnSpin(spin); });
+  const core::AnchoredSpin placed = to_.localiser->Place(spin);
+  const bool wanted =
+      mapping_ == Mapping::kEverything || (mapping_ == Mapping::kScanning && placed.spin->scanning);
+  if (wanted) {
+    lanes_->Post(kMapLane, [this, placed, poses = to_.localiser->poses()] { Map(placed, *poses); });
+  }
   LaunchWhenDue();
 }
 
@@ -99,20 +73,19 @@ void SensorFeed::OnDepth(const core::DepthEvent& event) {
   LaunchWhenDue();
 }
 
-void SensorFeed::Integrate(std::shared_ptr<const core::SpinEvent> event) {
-  if (event->scanning && !scanning_) T_map_odom_scan_ = T_map_odom_;
-  scanning_ = event->scanning;
-  if (mapping_ == Mapping::kNothing || (mapping_ == Mapping::kScanning && !scanning_)) return;
-  const core::Pose T_map_odom = scanning_ ? T_map_odom_scan_ : T_map_odom_;
-  lanes_->Post(kMapLane, [integration = integration_.get(), event = std::move(event), T_map_odom] {
-    integration->Take({{*event}, T_map_odom});
-  });
+void SensorFeed::Map(const core::AnchoredSpin& spin, const core::PoseSource& poses) {
+  const Stopwatch integrating;
+  to_.mapper->Integrate(spin, poses);
+  const mapping::ReturnCloud cloud = to_.cloud->Add(*spin.spin, spin.T_map_odom(poses));
+  mapped_.integration_s += integrating.seconds();
+  mapped_.cloud_points += cloud.points.size();
+  to_.on_cloud(cloud);
 }
 
 SensorFeed::Mapped SensorFeed::DrainMap() {
   lanes_->Drain(kMapLane);
-  integration_->filter = mapping::VoxelFilter(params_.cloud_spacing_m);
-  return std::exchange(integration_->mapped, {});
+  to_.cloud->Begin();
+  return std::exchange(mapped_, {});
 }
 
 }  // namespace atlas::experiments

@@ -4,6 +4,7 @@
 #include "mapping/backends/dense_grid_mapper.h"
 #include "mapping/backends/octomap_mapper.h"
 #include "mapping/backends/se_atlas_mapper.h"
+#include "mapping/grid/dense_grid.h"
 
 namespace atlas::mapping {
 
@@ -59,6 +60,10 @@ const std::vector<CatalogEntry>& Catalog() {
 #undef X
   };
   return kCatalog;
+}
+
+core::Box3 RegionOf(const MapperParams& params, const core::Box3& object_box) {
+  return GridFrame(object_box.Inflated(params.region_margin_m), params.resolution_m).box();
 }
 
 std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,

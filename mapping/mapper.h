@@ -1,4 +1,4 @@
-// The mapper seam: sweeps in, an occupancy view out.
+// The mapper seam: anchored revolutions in, an occupancy view out.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/keyframe.h"
 #include "core/lidar_model.h"
-#include "core/mesh.h"
 #include "core/params.h"
-#include "core/sensor_events.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/occupancy_view.h"
 
@@ -21,7 +20,7 @@ struct MapperParams {
   std::string name = "se_atlas";
   double resolution_m = 0.05;
   double region_margin_m = 0.2;  ///< the map is kept in the object box grown by this
-  double downsample_m = 0.015;   ///< filter: at most one point a cell of this size
+  double downsample_m = 0.015;   ///< of a scan's cloud: at most one point a cell of this size
   // octomap, dense_grid:
   double hit_probability = 0.7;
   double miss_probability = 0.4;
@@ -36,22 +35,11 @@ struct MapperParams {
   static IntegratorParams SweepDefaults();
 };
 
-/// LiDAR returns in the map frame, and where the sensor was at the time of each.
-struct ReturnCloud {
-  std::vector<core::Vec3f> points;
-  std::vector<core::Vec3f> origins;  ///< a point each
-
-  void Add(const core::Vec3f& point, const core::Vec3f& origin) {
-    points.push_back(point);
-    origins.push_back(origin);
-  }
-};
-
 class Mapper {
  public:
   virtual ~Mapper() = default;
-  /// Integrates one sweep, spin by spin. Returns its filtered cloud in the map frame (thesis 3.3).
-  virtual ReturnCloud Integrate(const core::Sweep& sweep) = 0;
+  /// Integrates one revolution, where `poses` puts it.
+  virtual void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) = 0;
   /// Up to date with the last Integrate(). Between two calls of Integrate(), view(), queries on it and
   /// MapBytes() may be called by several threads at a time.
   virtual const OccupancyView& view() const = 0;
@@ -73,9 +61,7 @@ const std::vector<CatalogEntry>& Catalog();
 std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
                                    const std::optional<core::LidarModel>& lidar = {});
 
-/// Undistorts the sweep: hits inside `region_map`, in the map frame by per-ray time (odom first, then map;
-/// thesis 3.3), isolated returns removed, at most one point a cell of `spacing_m`.
-ReturnCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& region_map, double max_range_m,
-                            double spacing_m);
+/// Where the map is kept: the object box grown by region_margin_m, out to whole voxels.
+core::Box3 RegionOf(const MapperParams& params, const core::Box3& object_box);
 
 }  // namespace atlas::mapping

@@ -7,20 +7,15 @@ constexpr double kDriftStepM = 0.01;  ///< the walk draws once a centimetre
 
 }  // namespace
 
-Odometry::Odometry(const OdometryParams& params, const LocalisationParams& localisation,
-                   const core::Pose& T_map_spawn, const core::Pose& T_map_base, const core::Rng& rng)
+Odometry::Odometry(const OdometryParams& params, const core::Pose& T_map_spawn, const core::Pose& T_map_base,
+                   const core::Rng& rng)
     : params_(params),
-      localisation_(localisation),
       drift_rng_(rng.Split("odometry_drift")),
-      localisation_rng_(rng.Split("localisation")),
       T_odom_map_(T_map_spawn.inverse()),
       T_odom_base_(T_odom_map_ * T_map_base),
-      T_map_odom_(T_map_spawn),
-      p_last_(T_map_base.translation().head<2>()) {
-  if (localisation_.name == "truth") Localise(T_map_base);
-}
+      p_last_(T_map_base.translation().head<2>()) {}
 
-void Odometry::Update(double time_s, const core::Pose& T_map_base) {
+void Odometry::Update(const core::Pose& T_map_base) {
   const core::Vec2 p = T_map_base.translation().head<2>();
   const double walked_m = (p - p_last_).norm();
   if (walked_m >= kDriftStepM) {
@@ -36,21 +31,6 @@ void Odometry::Update(double time_s, const core::Pose& T_map_base) {
     T_odom_map_ = error * T_odom_map_;
   }
   T_odom_base_ = T_odom_map_ * T_map_base;
-  if (localisation_.name == "truth" && time_s >= next_localisation_s_) {
-    next_localisation_s_ += localisation_.period_s;
-    Localise(T_map_base);
-  }
-}
-
-void Odometry::Localise(const core::Pose& T_map_base) {
-  const auto draw = [this](double sigma) {
-    return core::Vec3(sigma * localisation_rng_.Normal(), sigma * localisation_rng_.Normal(),
-                      sigma * localisation_rng_.Normal());
-  };
-  const core::Vec3 shift = draw(localisation_.sigma_m);
-  const core::Vec3 turn = draw(core::Radians(localisation_.sigma_deg));
-  const core::Mat3 R = core::RotationFromYawPitchRoll(turn.z(), turn.y(), turn.x()) * T_map_base.linear();
-  T_map_odom_ = core::MakePose(R, T_map_base.translation() + shift) * T_odom_base_.inverse();
 }
 
 }  // namespace atlas::sim

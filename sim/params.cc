@@ -38,25 +38,6 @@ void OdometryParams::Visit(core::ParamVisitor& v) {
           {.unit = "deg", .min = 0.0, .max = 3.0, .doc = "noise on the attitude that the gait balances on"});
 }
 
-void LocalisationParams::Visit(core::ParamVisitor& v) {
-  v.Field(
-      "name", &name,
-      {.choices = {"truth", "none"},
-       .doc = "truth: the true pose but for noise; none: odometry alone, so drift reaches map and score"});
-  v.Field("sigma_m", &sigma_m,
-          {.unit = "m",
-           .min = 0.0,
-           .max = 0.5,
-           .doc = "truth: noise on the base position in the map (standard deviation of each axis)"});
-  v.Field("sigma_deg", &sigma_deg,
-          {.unit = "deg",
-           .min = 0.0,
-           .max = 5.0,
-           .doc = "truth: noise on the base attitude in the map (standard deviation of each axis)"});
-  v.Field("period_s", &period_s,
-          {.unit = "s", .min = 0.0, .max = 60.0, .doc = "truth: between two corrections; 0: at every step"});
-}
-
 void SensorParams::Visit(core::ParamVisitor& v) {
   std::vector<std::string> lidars = {"robot"};
   for (const std::string& model : core::LidarModelNames()) lidars.push_back(model);

@@ -41,8 +41,7 @@ bool SensorSuite::AtSpinStart(double time_s) const {
   return time_s >= next_s - kTimeEps;
 }
 
-void SensorSuite::Observe(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink,
-                          core::Sweep* sweep) {
+void SensorSuite::Observe(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink) {
   const double now = robot.time_s();
   if (now >= static_cast<double>(states_) / kStateRateHz - kTimeEps) {
     ++states_;
@@ -53,7 +52,7 @@ void SensorSuite::Observe(const Locomotion& robot, const Odometry& odometry, cor
   const bool turn_over = AtSpinStart(now);
   if (casting_) {
     RecordSpin(robot, odometry);
-    if (turn_over) FinishSpin(sink, sweep);
+    if (turn_over) FinishSpin(sink);
   }
   if (turn_over) {
     StartSpin(now);
@@ -65,7 +64,6 @@ void SensorSuite::EmitState(const Locomotion& robot, const Odometry& odometry, c
   core::StateEvent event;
   event.time_s = robot.time_s();
   event.T_odom_base = odometry.T_odom_base();
-  event.T_map_odom = odometry.T_map_odom();
   const core::Pose T_odom_map = odometry.T_odom_base() * robot.T_map_base().inverse();
   for (int i = 0; i < kLegs; ++i) {
     const FootStatus foot = robot.foot(i);
@@ -120,15 +118,14 @@ void SensorSuite::PoseBodies(double time_s) {
   }
 }
 
-void SensorSuite::FinishSpin(core::SensorSink* sink, core::Sweep* sweep) {
-  if (sink == nullptr && sweep == nullptr) return;
-  core::SpinEvent event;
-  event.scan = lidar_.Spin(
+void SensorSuite::FinishSpin(core::SensorSink* sink) {
+  if (sink == nullptr) return;
+  const auto event = std::make_shared<core::SpinEvent>();
+  event->scan = lidar_.Spin(
       &raycaster_, spin_start_s_, T_map_lidar_, [this](double t) { PoseBodies(t); }, params_.threads);
-  event.T_odom_lidar = std::move(T_odom_lidar_);
-  event.scanning = spin_activity_ == Activity::kSweeping;
-  if (sink != nullptr) sink->OnSpin(event);
-  if (sweep != nullptr && event.scanning) sweep->spins.push_back(std::move(event));
+  event->T_odom_lidar = std::move(T_odom_lidar_);
+  event->scanning = spin_activity_ == Activity::kSweeping;
+  sink->OnSpin(event);
 }
 
 }  // namespace atlas::sim

@@ -20,9 +20,8 @@ class SensorSuite {
 
   /// Decides which revolutions are cast from their start on, and whether the depth camera runs.
   void SetActivity(Activity activity) { activity_ = activity; }
-  /// Call at every step between BeginStep and FinishStep. Events go to `sink` and spins to `sweep`, either of
-  /// which may be null.
-  void Observe(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink, core::Sweep* sweep);
+  /// Call at every step between BeginStep and FinishStep. Events go to `sink`, which may be null.
+  void Observe(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink);
 
   std::string render_backend() const { return camera_ ? camera_->backend() : "off"; }
   std::string render_problem() const { return camera_ ? camera_->why_unavailable() : ""; }
@@ -38,7 +37,7 @@ class SensorSuite {
 
   void StartSpin(double time_s);
   void RecordSpin(const Locomotion& robot, const Odometry& odometry);
-  void FinishSpin(core::SensorSink* sink, core::Sweep* sweep);
+  void FinishSpin(core::SensorSink* sink);
   void PoseBodies(double time_s);
   void TakeDepth(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink);
   void EmitState(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink);

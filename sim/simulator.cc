@@ -41,20 +41,20 @@ class WalkingSimulator : public Simulator {
                    const core::Rng& rng)
       : params_(params),
         locomotion_(MakeLocomotion(scene, robot, params, rng.Split("locomotion"))),
-        odometry_(params.odometry, params.localisation, scene.T_map_spawn, locomotion_->T_map_base(),
-                  rng.Split("odometry")),
+        odometry_(params.odometry, scene.T_map_spawn, locomotion_->T_map_base(), rng.Split("odometry")),
+        T_map_odom_(scene.T_map_spawn),
         sensors_(scene, robot, params.sensors, locomotion_->world(), rng.Split("sensors")) {}
 
   void SetSink(core::SensorSink* sink) override { sink_ = sink; }
+  void SetLocalisation(const core::Pose& T_map_odom) override { T_map_odom_ = T_map_odom; }
   void SetStop(std::function<bool()> should_stop) override { should_stop_ = std::move(should_stop); }
 
   MotionStatus Stand(double duration_s) override;
   WalkResult Walk(const WalkPath& path, const core::TerrainView* terrain) override;
-  MotionStatus RollSweep(core::Sweep* sweep) override;
+  MotionStatus RollSweep() override;
 
   double time_s() const override { return locomotion_->time_s(); }
   core::Pose T_odom_base() const override { return odometry_.T_odom_base(); }
-  core::Pose T_map_odom() const override { return odometry_.T_map_odom(); }
   const SafetyCounts& safety() const override { return locomotion_->safety(); }
   std::string render_backend() const override { return sensors_.render_backend(); }
   std::string render_problem() const override { return sensors_.render_problem(); }
@@ -68,6 +68,7 @@ class WalkingSimulator : public Simulator {
   /// What a motion says at each control tick: nothing to go on, or how it ended.
   using Tick = std::function<std::optional<MotionStatus>(double now_s)>;
 
+  core::Pose BelievedBase() const { return T_map_odom_ * odometry_.T_odom_base(); }
   MotionStatus Run(const Tick& tick);
   MotionStatus ComeToStand();
   void Step();
@@ -77,9 +78,9 @@ class WalkingSimulator : public Simulator {
   SimParams params_;
   std::unique_ptr<Locomotion> locomotion_;
   Odometry odometry_;
+  core::Pose T_map_odom_;  ///< as it was told
   SensorSuite sensors_;
   core::SensorSink* sink_ = nullptr;
-  core::Sweep* sweep_ = nullptr;
   std::function<bool()> should_stop_;
   struct StateObserver {
     std::function<void(const Snapshot&)> hear;
@@ -103,8 +104,8 @@ void WalkingSimulator::ReturnRoll() {
 
 void WalkingSimulator::Measure(double now_s) {
   const core::Pose T_map_base = locomotion_->T_map_base();
-  odometry_.Update(now_s, T_map_base);
-  sensors_.Observe(*locomotion_, odometry_, sink_, sweep_);
+  odometry_.Update(T_map_base);
+  sensors_.Observe(*locomotion_, odometry_, sink_);
   walked_.Observe(T_map_base);
   walked_by_odometry_.Observe(odometry_.T_odom_base());
   for (StateObserver& observer : observers_) {
@@ -134,7 +135,7 @@ MotionStatus WalkingSimulator::Run(const Tick& tick) {
       next_tick_s += kControlPeriodS;
       if (locomotion_->fallen()) return MotionStatus::kFell;
       if (should_stop_ && should_stop_()) return MotionStatus::kStopped;
-      locomotion_->SetBelief(odometry_.T_map_odom() * odometry_.T_odom_base());
+      locomotion_->SetBelief(BelievedBase());
       if (const std::optional<MotionStatus> end = tick(time_s())) return *end;
     }
     Step();
@@ -171,9 +172,8 @@ WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView*
   PathTracker tracker(path.waypoints_map, path.final_yaw_rad, params_.locomotion.speed_mps);
   WalkResult result;
   result.status = Run([&](double now) -> std::optional<MotionStatus> {
-    const core::Pose T_map_base = params_.locomotion.name == "rail"
-                                      ? locomotion_->T_map_base()
-                                      : odometry_.T_map_odom() * odometry_.T_odom_base();
+    const core::Pose T_map_base =
+        params_.locomotion.name == "rail" ? locomotion_->T_map_base() : BelievedBase();
     const PathTracker::Output out =
         tracker.Update(now, T_map_base.translation().head<2>(), core::YawOf(T_map_base.linear()));
     locomotion_->SetCommand(out.command);
@@ -194,13 +194,12 @@ WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView*
   return result;
 }
 
-MotionStatus WalkingSimulator::RollSweep(core::Sweep* sweep) {
+MotionStatus WalkingSimulator::RollSweep() {
   sensors_.SetActivity(Activity::kStanding);
   if (const MotionStatus stand = ComeToStand(); stand != MotionStatus::kReached) return stand;
   sensors_.SetActivity(Activity::kSweeping);  // from the next revolution on
   while (!sensors_.AtSpinStart(time_s())) Step();
 
-  sweep_ = sweep;
   sweep_start_s_ = time_s();
   profile_.emplace(core::Radians(params_.locomotion.sweep_roll_deg), params_.locomotion.sweep_period_s);
   const MotionStatus status = Run([&](double now) -> std::optional<MotionStatus> {
@@ -213,9 +212,7 @@ MotionStatus WalkingSimulator::RollSweep(core::Sweep* sweep) {
     Step();  // the observation that ends the last revolution
   }
   profile_.reset();
-  sweep_ = nullptr;
   sensors_.SetActivity(Activity::kStanding);
-  if (sweep != nullptr) sweep->T_map_odom = odometry_.T_map_odom();
   return status;
 }
 

@@ -36,17 +36,6 @@ struct OdometryParams {
   void Visit(core::ParamVisitor& v);
 };
 
-/// Where the robot holds itself to be in the map: T_map_odom.
-struct LocalisationParams {
-  /// truth: the true pose but for white noise, each period_s. none: T_map_odom stays what it was at the
-  /// start, so that drift reaches the map, the planner and the score.
-  std::string name = "truth";
-  double sigma_m = 0.005;  ///< of T_map_base (thesis 3.3: little drift at this scale)
-  double sigma_deg = 0.05;
-  double period_s = 1.0;  ///< 0: at every step
-  void Visit(core::ParamVisitor& v);
-};
-
 struct SensorParams {
   std::string lidar = "robot";  ///< the robot's own, or a LiDAR model's name
   double range_sigma_m = -1.0;  ///< of the range noise; below 0: the LiDAR model's own
@@ -63,7 +52,6 @@ struct SensorParams {
 struct SimParams {
   LocomotionParams locomotion;
   OdometryParams odometry;
-  LocalisationParams localisation;
   SensorParams sensors;
 };
 
@@ -106,20 +94,23 @@ class Simulator {
 
   /// Events go to `sink` from now on; null for none. The sink outlives its use.
   virtual void SetSink(core::SensorSink* sink) = 0;
-  /// Polled at least every 50 ms of simulated time; true makes Walk and Sweep return kStopped.
+  /// Polled at least every 50 ms of simulated time; true makes Walk and RollSweep return kStopped.
   virtual void SetStop(std::function<bool()> should_stop) = 0;
+
+  /// Where the odometry's frame lies in the map from now on, for whoever walks: the simulator does not know
+  /// it. Until it is told: at the spawn pose, where the odometry begins.
+  virtual void SetLocalisation(const core::Pose& T_map_odom) = 0;
 
   /// Stands still for `duration_s`, sensing.
   virtual MotionStatus Stand(double duration_s) = 0;
   /// Follows `path`. `terrain` (map frame) is what footholds are chosen on; null reads the true ground.
   virtual WalkResult Walk(const WalkPath& path, const core::TerrainView* terrain) = 0;
   /// The scanning action: rolls the base +roll to -roll and back while standing (thesis 3.6.1).
-  virtual MotionStatus RollSweep(core::Sweep* sweep) = 0;
+  virtual MotionStatus RollSweep() = 0;
 
   virtual double time_s() const = 0;
-  /// Latest estimates; never the truth.
+  /// The odometry's latest estimate; never the truth.
   virtual core::Pose T_odom_base() const = 0;
-  virtual core::Pose T_map_odom() const = 0;
 
   virtual const SafetyCounts& safety() const = 0;
   virtual std::string render_backend() const = 0;  ///< "egl", "osmesa", "none", or "off": no depth camera

@@ -81,6 +81,7 @@ const std::vector<Kind>& Kinds() {
       {"robots", "--set robot=NAME", [] { return EntriesOf(robots::Catalog()); }},
       {"lidars", "--set sensors.lidar=NAME, atlas record --lidar", Lidars},
       {"mappers", "--set mapper=NAME", [] { return EntriesOf(mapping::Catalog()); }},
+      {"localisers", "--set localisation=NAME", [] { return EntriesOf(mapping::LocaliserCatalog()); }},
       {"planners", "--set planner=NAME", [] { return EntriesOf(planner::PlannerCatalog()); }},
       {"gains", "--set planner.gain=NAME", [] { return EntriesOf(planner::GainCatalog()); }},
       {"routes", "ways through scenes, of atlas record",

@@ -12,7 +12,7 @@
 #include "core/sensor_events.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/io/map_file.h"
-#include "mapping/undistort.h"
+#include "mapping/cloud/voxel_filter.h"
 
 namespace atlas::experiments {
 

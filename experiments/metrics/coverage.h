@@ -22,7 +22,7 @@
 #include "core/geometry.h"
 #include "core/mesh.h"
 #include "experiments/metrics/point_grid.h"
-#include "mapping/mapper.h"
+#include "mapping/cloud/scan_cloud.h"
 #include "scenes/catalog.h"
 #include "scenes/scene_spec.h"
 

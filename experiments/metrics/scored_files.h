@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "mapping/mapper.h"
+#include "mapping/cloud/scan_cloud.h"
 #include "scenes/catalog.h"
 
 namespace atlas::experiments {

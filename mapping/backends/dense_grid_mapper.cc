@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/backends/behind_surface.h"
 #include "mapping/backends/on_demand.h"
-#include "mapping/backends/sweep_cloud.h"
+#include "mapping/cloud/undistort.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/io/map_file.h"
-#include "mapping/undistort.h"
 
 namespace atlas::mapping {
 namespace {
@@ -32,19 +32,13 @@ class DenseGridMapper : public Mapper {
     clamp_max_ = LogOdds(params.clamp_max);
   }
 
-  ReturnCloud Integrate(const core::Sweep& sweep) override {
-    SweepCloud cloud(params_, grid_.region());
-    UndistortedSpin spin;
-    for (const core::SpinEvent& event : sweep.spins) {
-      Undistort(event, sweep.T_map_odom, &spin);
-      ++spin_;
-      MarkHits(spin);
-      MarkFree(spin);
-      ApplyMarks();
-      cloud.Add(spin);
-    }
+  void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) override {
+    Undistort(*spin.spin, spin.T_map_odom(poses), &rays_);
+    ++spin_;
+    MarkHits(rays_);
+    MarkFree(rays_);
+    ApplyMarks();
     blocks_.Request();
-    return cloud.Take();
   }
 
   const OccupancyView& view() const override {
@@ -148,6 +142,7 @@ class DenseGridMapper : public Mapper {
   std::vector<uint32_t> ended_;  ///< the last spin whose ray ended in this voxel
   uint32_t spin_ = 0;
   std::vector<size_t> touched_;
+  UndistortedSpin rays_;
   float hit_, miss_, clamp_min_, clamp_max_;
 };
 

@@ -5,10 +5,10 @@
 #include <sstream>
 
 #include "core/files.h"
+#include "mapping/backends/behind_surface.h"
 #include "mapping/backends/octomap_view.h"
 #include "mapping/backends/on_demand.h"
-#include "mapping/backends/sweep_cloud.h"
-#include "mapping/undistort.h"
+#include "mapping/cloud/undistort.h"
 
 namespace atlas::mapping {
 namespace {
@@ -31,16 +31,10 @@ class OctomapMapper : public Mapper {
     tree_.setClampingThresMax(params.clamp_max);
   }
 
-  ReturnCloud Integrate(const core::Sweep& sweep) override {
-    SweepCloud cloud(params_, view_.region());
-    UndistortedSpin spin;
-    for (const core::SpinEvent& event : sweep.spins) {
-      Undistort(event, sweep.T_map_odom, &spin);
-      Insert(spin);
-      cloud.Add(spin);
-    }
+  void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) override {
+    Undistort(*spin.spin, spin.T_map_odom(poses), &rays_);
+    Insert(rays_);
     index_.Request();
-    return cloud.Take();
   }
 
   const OccupancyView& view() const override {
@@ -108,6 +102,7 @@ class OctomapMapper : public Mapper {
   octomap::OcTree tree_;
   OnDemand index_;  ///< of the view, built where it is asked for
   mutable OctomapView view_;
+  UndistortedSpin rays_;
   octomap::KeySet hit_, passed_, ends_;  ///< of one revolution
   octomap::KeyRay keys_;
 };

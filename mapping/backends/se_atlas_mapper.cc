@@ -3,12 +3,12 @@
 #include <array>
 #include <utility>
 
+#include "mapping/backends/behind_surface.h"
 #include "mapping/backends/on_demand.h"
-#include "mapping/backends/sweep_cloud.h"
+#include "mapping/cloud/undistort.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/io/map_file.h"
-#include "mapping/undistort.h"
 
 namespace atlas::mapping {
 namespace {
@@ -49,17 +49,12 @@ class SeAtlasMapper : public Mapper {
     }
   }
 
-  ReturnCloud Integrate(const core::Sweep& sweep) override {
-    SweepCloud cloud(params_, grid_.region());
-    UndistortedSpin spin;
-    for (const core::SpinEvent& event : sweep.spins) {
-      integrator_->Integrate(event, sweep.T_map_odom, &tree_);
-      UndistortHits(event, sweep.T_map_odom, &spin);
-      MarkBehind(spin);
-      cloud.Add(spin);
-    }
+  void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) override {
+    const core::Pose T_map_odom = spin.T_map_odom(poses);
+    integrator_->Integrate(*spin.spin, T_map_odom, &tree_);
+    UndistortHits(*spin.spin, T_map_odom, &rays_);
+    MarkBehind(rays_);
     mirror_.Request();
-    return cloud.Take();
   }
 
   const OccupancyView& view() const override {
@@ -146,6 +141,7 @@ class SeAtlasMapper : public Mapper {
   std::array<uint8_t, 256> code_;  ///< of the grid, by log-odds (as unsigned)
   std::vector<uint8_t> last_hit_;  ///< the last spin that hit a voxel, counted to 255
   uint8_t spin_ = 0;
+  UndistortedSpin rays_;
 };
 
 }  // namespace

@@ -153,8 +153,8 @@ void ElevationMap::OnState(const core::StateEvent& event) {
   }
 }
 
-void ElevationMap::OnSpin(const core::SpinEvent& event) {
-  impl_->ingest.AddSpin(event, impl_->T_map_odom);
+void ElevationMap::OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) {
+  impl_->ingest.AddSpin(*spin, impl_->T_map_odom);
 }
 
 void ElevationMap::OnDepth(const core::DepthEvent& event) {

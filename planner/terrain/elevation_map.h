@@ -43,7 +43,7 @@ class ElevationMap : public core::SensorSink, public core::TerrainView, public T
   void InitialiseUnderRobot(const core::Pose& T_map_base);
 
   void OnState(const core::StateEvent& event) override;
-  void OnSpin(const core::SpinEvent& event) override;
+  void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override;
   void OnDepth(const core::DepthEvent& event) override;
 
   /// Recomputes heights filled, slope, step, roughness, holes and traversability from the events so far.

@@ -9,12 +9,12 @@ class FakeSimulator : public sim::Simulator {
  public:
   void SetSink(core::SensorSink*) override {}
   void SetStop(std::function<bool()>) override {}
+  void SetLocalisation(const core::Pose&) override {}
   sim::MotionStatus Stand(double) override { return sim::MotionStatus::kReached; }
   sim::WalkResult Walk(const sim::WalkPath&, const core::TerrainView*) override { return {}; }
-  sim::MotionStatus RollSweep(core::Sweep*) override { return sim::MotionStatus::kReached; }
+  sim::MotionStatus RollSweep() override { return sim::MotionStatus::kReached; }
   double time_s() const override { return time; }
   core::Pose T_odom_base() const override { return T_odom_base_now; }
-  core::Pose T_map_odom() const override { return T_map_odom_now; }
   const sim::SafetyCounts& safety() const override { return counts; }
   std::string render_backend() const override { return "none"; }
   core::Pose TrueBasePose() const override { return T_map_base_true; }
@@ -24,8 +24,7 @@ class FakeSimulator : public sim::Simulator {
   }
 
   double time = 0.0;
-  core::Pose T_odom_base_now = core::Pose::Identity(), T_map_odom_now = core::Pose::Identity(),
-             T_map_base_true = core::Pose::Identity();
+  core::Pose T_odom_base_now = core::Pose::Identity(), T_map_base_true = core::Pose::Identity();
   sim::SafetyCounts counts;
   std::vector<std::function<void(const sim::Snapshot&)>> observers;
 };

@@ -143,7 +143,7 @@ class TerrainSensors {
     };
     for (int k = 0; k < spins; ++k) {
       sink->OnState(State(k * period, T_map_stand));
-      sink->OnSpin(Spin(k * period, pose_at));
+      sink->OnSpin(std::make_shared<const core::SpinEvent>(Spin(k * period, pose_at)));
     }
   }
 

@@ -9,6 +9,7 @@
 #include "scenes/catalog.h"
 #include "sim/simulator.h"
 #include "tests/support/explained_rows.h"
+#include "tests/support/placed_spins.h"
 #include "tests/support/terrain_scenes.h"
 #include "tests/support/tiny_mission.h"
 
@@ -23,27 +24,38 @@ using tests::ParameterProbe;
 using tests::Settings;
 
 constexpr double kStance_m = 0.44;
+const core::Box3 kBlockBox{Vec3(-0.4, -0.4, 0.05), Vec3(0.4, 0.4, 1.0)};
 
 ParameterProbe ProbeOf(const tests::TinyMissions& missions, ParameterProbe::Look look) {
   return {[&missions](const std::vector<std::string>& set) { return missions.LoadBare(set); },
           std::move(look)};
 }
 
-/// All that the simulator tells whoever listens.
+/// All that the simulator tells whoever listens, among them the localiser.
 class Listener : public core::SensorSink {
  public:
+  Listener(sim::Simulator* simulator, mapping::Localiser* localiser)
+      : simulator_(*simulator), localiser_(*localiser) {
+    simulator->SetSink(this);
+  }
   void OnState(const core::StateEvent& event) override {
+    localiser_.OnState(event);
+    simulator_.SetLocalisation(localiser_.T_map_odom());
     told.Add(event.time_s);
     told.Add(event.T_odom_base);
-    told.Add(event.T_map_odom);
+    told.Add(localiser_.T_map_odom());
   }
-  void OnSpin(const core::SpinEvent& event) override {
-    told.Add(event.scan.range_m);
-    told.Add(event.scan.kind);
-    for (const core::StampedPose& pose : event.T_odom_lidar.poses()) told.Add(pose.T);
+  void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override {
+    told.Add(spin->scan.range_m);
+    told.Add(spin->scan.kind);
+    for (const core::StampedPose& pose : spin->T_odom_lidar.poses()) told.Add(pose.T);
   }
   void OnDepth(const core::DepthEvent& event) override { told.Add(event.image.depth_m); }
   Digest told;
+
+ private:
+  sim::Simulator& simulator_;
+  mapping::Localiser& localiser_;
 };
 
 /// Ground that the robot believes to be uneven.
@@ -60,16 +72,21 @@ std::string SimulatorTells(const ExperimentConfig& config) {
   const scenes::SceneSpec scene = scenes::LoadScene(config.scene.name);
   const auto simulator =
       sim::MakeSimulator(scene, robots::LoadRobot(config.robot.name), config.sim, core::Rng(3));
-  Listener listener;
-  simulator->SetSink(&listener);
+  const auto localiser =
+      mapping::MakeLocaliser(config.localisation,
+                             {.T_map_odom = scene.T_map_spawn,
+                              .T_odom_base = simulator->T_odom_base(),
+                              .T_map_base_true = [&simulator] { return simulator->TrueBasePose(); }},
+                             core::Rng(4));
+  Listener listener(simulator.get(), localiser.get());
   const Hummocks ground;
   simulator->Walk({{Vec2(-1.8, 0.0), Vec2(-1.5, 0.1)}, 0.3}, &ground);
-  simulator->RollSweep(nullptr);
+  simulator->RollSweep();
   listener.told.Add(simulator->TrueBasePose());
   return listener.told.text();
 }
 
-TEST(ExplainedParts, OfTheSimulatorAct) {
+TEST(ExplainedParts, OfTheSimulatorAndTheLocaliserAct) {
   const std::vector<std::string> trot = {"locomotion.name=trot", "locomotion.speed_mps=0.5"},
                                  camera = {"sensors.depth_camera=true"};
   const Settings settings = {
@@ -88,17 +105,17 @@ TEST(ExplainedParts, OfTheSimulatorAct) {
 }
 
 /// Sweeps of a block on a floor that ends nearby, from three places.
-std::vector<core::Sweep> SweepsOfABlock() {
+std::vector<tests::PlacedSpins> SweepsOfABlock() {
   struct Collector : core::SensorSink {
-    void OnSpin(const core::SpinEvent& event) override { sweep.spins.push_back(event); }
-    core::Sweep sweep;
+    void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override { sweep.spins.push_back(*spin); }
+    tests::PlacedSpins sweep;
   };
   testing::PatchWorld world;
   world.AddRectangle(-6, -3, 3, 3, 0);
   world.AddBox({-0.3, -0.3, 0}, {0.3, 0.3, 0.9});
   world.AddBox({-0.4, 0.35, 0.3}, {0.0, 0.38, 0.6});
   testing::TerrainSensors sensors(&world, 1);
-  std::vector<core::Sweep> sweeps;
+  std::vector<tests::PlacedSpins> sweeps;
   for (const Vec3& stand :
        {Vec3(-1.8, 0.0, kStance_m), Vec3(-1.1, 1.2, kStance_m), Vec3(-5.2, 0.0, kStance_m)}) {
     Collector collector;
@@ -109,12 +126,16 @@ std::vector<core::Sweep> SweepsOfABlock() {
 }
 
 /// The cloud, the file, and what rays of a planner meet.
-std::string MapperTells(const tests::TinyMissions& missions, const std::vector<core::Sweep>& sweeps,
+std::string MapperTells(const tests::TinyMissions& missions, const std::vector<tests::PlacedSpins>& sweeps,
                         const ExperimentConfig& config) {
-  const auto mapper = mapping::MakeMapper(config.mapper, {Vec3(-0.4, -0.4, 0.05), Vec3(0.4, 0.4, 1.0)},
-                                          core::FindLidarModel("vlp16"));
+  const auto mapper = mapping::MakeMapper(config.mapper, kBlockBox, core::FindLidarModel("vlp16"));
   Digest told;
-  for (const core::Sweep& sweep : sweeps) told.Add(mapper->Integrate(sweep).points);
+  const core::Box3 box = mapping::RegionOf(config.mapper, kBlockBox);
+  for (const tests::PlacedSpins& sweep : sweeps) {
+    tests::Integrate(sweep, mapper.get());
+    told.Add(
+        tests::CloudOf(sweep, box, config.mapper.integrator.max_range_m, config.mapper.downsample_m).points);
+  }
   told.Add(core::ReadFile(missions.folder() / mapper->Save(missions.folder())));
   std::vector<mapping::RaySample> samples;
   for (int i = 0; i < 800; ++i) {  // from the front and from behind
@@ -148,7 +169,7 @@ TEST(ExplainedParts, OfEveryMapperAct) {
   Settings settings = kOfTheIntegrator;
   settings["mapper.max_scale"] = {{"mapper.resolution_m=0.008"}, "1"};  // the object is near
   const tests::TinyMissions missions;
-  const std::vector<core::Sweep> sweeps = SweepsOfABlock();
+  const std::vector<tests::PlacedSpins> sweeps = SweepsOfABlock();
   ParameterProbe probe = ProbeOf(
       missions, [&](const ExperimentConfig& config) { return MapperTells(missions, sweeps, config); });
   for (const mapping::CatalogEntry& mapper : mapping::Catalog()) {
@@ -169,7 +190,7 @@ TEST(ExplainedParts, OfTheMapOfARecordingAct) {
   settings["mapper.local_radius_m"] = {{}, "1"};
   settings["mapper.cloud_spacing_m"] = {{}, "0.2"};
   const tests::TinyMissions missions;
-  const std::vector<core::Sweep> sweeps = SweepsOfABlock();
+  const std::vector<tests::PlacedSpins> sweeps = SweepsOfABlock();
   const auto load = [](const std::vector<std::string>& set) {
     core::ParamSource source;
     for (const std::string& assignment : set) source.MergeAssignment(assignment);
@@ -179,7 +200,7 @@ TEST(ExplainedParts, OfTheMapOfARecordingAct) {
   };
   const auto look = [&](const MapConfig& config) {
     OfflineMapper mapper(config.mapper, core::FindLidarModel("vlp16"));
-    for (const core::Sweep& sweep : sweeps) {
+    for (const tests::PlacedSpins& sweep : sweeps) {
       for (const size_t spin : {2, 5}) mapper.Add(sweep.spins.at(spin), Pose::Identity());
     }
     Digest told;
@@ -223,7 +244,9 @@ struct Survey {
     struct Collector : core::SensorSink {
       explicit Collector(Survey* s) : survey(s) {}
       void OnState(const core::StateEvent& event) override { survey->states.push_back(event); }
-      void OnSpin(const core::SpinEvent& event) override { survey->spins.push_back(event); }
+      void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override {
+        survey->spins.push_back(spin);
+      }
       Survey* survey;
     } collector(this);
     testing::TerrainSensors sensors(&world, 1);
@@ -233,7 +256,7 @@ struct Survey {
     }
   }
   std::vector<core::StateEvent> states;
-  std::vector<core::SpinEvent> spins;
+  std::vector<std::shared_ptr<const core::SpinEvent>> spins;
 };
 
 std::string TerrainTells(const Survey& survey, const ExperimentConfig& config) {

@@ -31,7 +31,7 @@ parts:
 
 class SilentMapper : public mapping::Mapper {
  public:
-  mapping::ReturnCloud Integrate(const core::Sweep&) override { return {}; }
+  void Integrate(const core::AnchoredSpin&, const core::PoseSource&) override {}
   const mapping::OccupancyView& view() const override { throw std::logic_error("no view here"); }
   size_t MapBytes() const override { return 4711; }
   std::string Save(const fs::path&) const override { return {}; }

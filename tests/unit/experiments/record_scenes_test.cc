@@ -81,7 +81,7 @@ TEST(RoomsSmall, DoorwaysAreFreeToTheRobotOnGroundPerceivedOnTheWay) {
     state.T_odom_base = spin.T_odom_lidar.At(state.time_s);
     state.T_odom_base.translation().z() -= below_m;
     terrain.OnState(state);
-    terrain.OnSpin(spin);
+    terrain.OnSpin(std::make_shared<const core::SpinEvent>(spin));
     const auto& [middle, yaw_rad] = doorways[next];
     const Vec2 along(std::cos(yaw_rad), std::sin(yaw_rad));
     if ((state.T_odom_base.translation().head<2>() - middle).norm() > 1.2) continue;

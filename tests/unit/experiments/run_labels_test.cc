@@ -7,7 +7,7 @@ namespace atlas::experiments {
 namespace {
 
 TEST(RunLabels, LocalisationNamesKindNoiseAndPeriod) {
-  sim::LocalisationParams p;
+  mapping::LocalisationParams p;
   p.name = "truth";
   p.sigma_m = 0.02;
   p.sigma_deg = 0.3;

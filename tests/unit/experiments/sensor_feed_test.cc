@@ -6,23 +6,19 @@
 
 #include <thread>
 
+#include "mapping/slam/fixed_poses.h"
 #include "planner/terrain/elevation_map.h"
 #include "robots/robot_spec.h"
 
 namespace atlas::experiments {
 namespace {
 
-/// Keeps what it was given; one cloud point a spin, all in one cell.
+/// Keeps what it was given.
 class CountingMapper : public mapping::Mapper {
  public:
-  mapping::ReturnCloud Integrate(const core::Sweep& sweep) override {
-    for (const core::SpinEvent& spin : sweep.spins) {
-      stamps.push_back(spin.scan.stamp_s);
-      shifts_x.push_back(sweep.T_map_odom.translation().x());
-    }
-    mapping::ReturnCloud cloud;
-    cloud.Add(core::Vec3f(0.001f, 0.001f, 0.001f), core::Vec3f::Zero());
-    return cloud;
+  void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) override {
+    stamps.push_back(spin.spin->scan.stamp_s);
+    shifts_x.push_back(spin.T_map_odom(poses).translation().x());
   }
   const mapping::OccupancyView& view() const override { throw std::logic_error("no view here"); }
   size_t MapBytes() const override { return 0; }
@@ -31,34 +27,69 @@ class CountingMapper : public mapping::Mapper {
   std::vector<double> stamps, shifts_x;
 };
 
-core::StateEvent StateAt(double time_s, double shift_x = 0.0) {
+/// A keyframe a state: the odometry's frame lies as far along x as the state was late, in seconds.
+class ShiftingLocaliser : public mapping::Localiser {
+ public:
+  void OnState(const core::StateEvent& state) override {
+    keyframes_.push_back(core::PoseFromXyzYaw({state.time_s, 0.0, 0.0}, 0.0));
+  }
+  core::AnchoredSpin Place(std::shared_ptr<const core::SpinEvent> spin) override {
+    return {.spin = std::move(spin), .keyframe = static_cast<core::KeyframeId>(keyframes_.size() - 1)};
+  }
+  core::Pose T_map_odom() const override { return keyframes_.back(); }
+  std::shared_ptr<const core::PoseSource> poses() const override {
+    return std::make_shared<mapping::FixedPoses>(keyframes_);
+  }
+
+ private:
+  std::vector<core::Pose> keyframes_ = {core::Pose::Identity()};
+};
+
+core::StateEvent StateAt(double time_s) {
   core::StateEvent event;
   event.time_s = time_s;
   event.T_odom_base = core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0);
-  event.T_map_odom = core::PoseFromXyzYaw({shift_x, 0.0, 0.0}, 0.0);
   return event;
 }
 
-core::SpinEvent EmptySpin(double stamp_s, bool scanning) {
+/// One ray straight down, whose return and those beside it lie in one cell of the odometry's frame.
+std::shared_ptr<const core::SpinEvent> SpinAt(double stamp_s, bool scanning) {
   core::SpinEvent event;
-  event.scan.stamp_s = stamp_s;
+  core::LidarScan& scan = event.scan;
+  scan.stamp_s = stamp_s;
+  scan.rows = 1;
+  scan.columns = 3;
+  scan.direction_lidar.assign(3, -core::Vec3f::UnitZ());
+  scan.range_m.assign(3, 1.0f);
+  scan.time_s.assign(3, 0.0f);
+  scan.kind.assign(3, core::ReturnKind::kHit);
+  event.T_odom_lidar.Add(stamp_s, core::PoseFromXyzYaw({0.001, 0.001, 1.001}, 0.0));
   event.scanning = scanning;
-  return event;
+  return std::make_shared<const core::SpinEvent>(event);
 }
 
 class SensorFeedTest : public ::testing::TestWithParam<bool> {
  protected:
   SensorFeedTest()
       : terrain(planner::TerrainParams{}, robots::RobotSpec{}),
-        feed(
-            {.refresh_period_s = 1.0, .terrain_latency_s = 0.4}, &terrain, &mapper,
-            [this](const mapping::ReturnCloud& cloud) { heard += cloud.points.size(); }, &lanes),
+        cloud({core::Vec3(-9.0, -9.0, -9.0), core::Vec3(9.0, 9.0, 9.0)}, 20.0, 0.05),
+        feed({.refresh_period_s = 1.0, .terrain_latency_s = 0.4},
+             {.localiser = &localiser,
+              .terrain = &terrain,
+              .mapper = &mapper,
+              .cloud = &cloud,
+              .on_localised = [this](const core::Pose& T) { told_x.push_back(T.translation().x()); },
+              .on_cloud = [this](const mapping::ReturnCloud& returns) { heard += returns.points.size(); }},
+             &lanes),
         lanes(kTaskLanes, GetParam()) {
     terrain.InitialiseUnderRobot(core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0));
   }
 
+  ShiftingLocaliser localiser;
   CountingMapper mapper;
   planner::ElevationMap terrain;
+  mapping::ScanCloud cloud;
+  std::vector<double> told_x;
   size_t heard = 0;
   SensorFeed feed;
   core::TaskLanes lanes;
@@ -73,7 +104,7 @@ TEST_P(SensorFeedTest, TerrainIsAdoptedAFixedSimulatedTimeAfterItsRefresh) {
     if (known()) adopted_s = now_s;
     // A late refresh would show here, an early one too: whatever the thread did in between does not matter.
     if (tick == 55) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (tick % 10 == 0) feed.OnSpin(EmptySpin(now_s, false));
+    if (tick % 10 == 0) feed.OnSpin(SpinAt(now_s, false));
   }
   EXPECT_NEAR(adopted_s, 1.4, 1e-9);
 }
@@ -89,27 +120,29 @@ TEST_P(SensorFeedTest, ARequestedRefreshIsAdoptedOnRequestOnly) {
   EXPECT_TRUE(terrain.At(0.0, 0.0).known);
 }
 
-TEST_P(SensorFeedTest, TheMapperHearsWhatItIsAskedToInOrder) {
+TEST_P(SensorFeedTest, TheMapperHearsWhatItIsAskedToInOrderWhereItWasPlaced) {
   using Mapping = SensorFeed::Mapping;
-  feed.OnState(StateAt(0.0, 1.0));
-  feed.OnSpin(EmptySpin(0.0, false));
+  feed.OnState(StateAt(1.0));
+  feed.OnSpin(SpinAt(1.0, false));
   feed.SetMapping(Mapping::kScanning);
-  feed.OnSpin(EmptySpin(0.1, false));
-  feed.OnSpin(EmptySpin(0.2, true));
-  feed.OnState(StateAt(0.25, 2.0));
-  feed.OnSpin(EmptySpin(0.3, true));
+  feed.OnSpin(SpinAt(1.1, false));
+  feed.OnSpin(SpinAt(1.2, true));
+  feed.OnState(StateAt(2.0));
+  feed.OnSpin(SpinAt(2.1, true));
   feed.SetMapping(Mapping::kEverything);
-  feed.OnSpin(EmptySpin(0.4, false));
-  feed.OnState(StateAt(0.45, 3.0));
-  feed.OnSpin(EmptySpin(0.5, false));
+  feed.OnSpin(SpinAt(2.2, false));
   const SensorFeed::Mapped mapped = feed.DrainMap();
-  EXPECT_EQ(mapper.stamps, (std::vector<double>{0.2, 0.3, 0.4, 0.5}));
-  // A scanning action under one localisation, a walk under each revolution's.
-  EXPECT_EQ(mapper.shifts_x, (std::vector<double>{1.0, 1.0, 2.0, 3.0}));
-  EXPECT_EQ(mapped.cloud_points, 1u) << "one point a cell, whatever the batches";
-  EXPECT_EQ(heard, 1u);
-  feed.OnSpin(EmptySpin(0.6, false));
+  EXPECT_EQ(mapper.stamps, (std::vector<double>{1.2, 2.1, 2.2}));
+  EXPECT_EQ(mapper.shifts_x, (std::vector<double>{1.0, 2.0, 2.0}));
+  EXPECT_EQ(mapped.cloud_points, 2u) << "one point a cell, whatever the batches";
+  EXPECT_EQ(heard, 2u);
+  feed.OnSpin(SpinAt(2.3, false));
   EXPECT_EQ(feed.DrainMap().cloud_points, 1u) << "the next scan starts afresh";
+}
+
+TEST_P(SensorFeedTest, WhoeverWalksIsToldAtEveryStateWhereTheOdometryLies) {
+  for (const double time_s : {1.0, 1.5, 3.0}) feed.OnState(StateAt(time_s));
+  EXPECT_EQ(told_x, (std::vector<double>{1.0, 1.5, 3.0}));
 }
 
 INSTANTIATE_TEST_SUITE_P(InlineAndThreaded, SensorFeedTest, ::testing::Bool());

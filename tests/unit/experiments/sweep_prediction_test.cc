@@ -22,7 +22,8 @@ using Sphere = std::array<std::array<double, kColumns>, kRows>;
 /// Casts nothing away: a ray counts where it goes, whatever it meets.
 class RayCounter : public core::SensorSink {
  public:
-  void OnSpin(const core::SpinEvent& event) override {
+  void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override {
+    const core::SpinEvent& event = *spin;
     if (!event.scanning) return;
     for (size_t i = 0; i < event.scan.size(); ++i) {
       const core::Pose T =
@@ -43,7 +44,7 @@ Sphere Simulated(const sim::SimParams& params) {
   const auto simulator =
       sim::MakeSimulator(tests::OpenFloor(), robots::LoadRobot("quadruped"), params, core::Rng(3));
   simulator->SetSink(&counter);
-  EXPECT_EQ(simulator->RollSweep(nullptr), sim::MotionStatus::kReached);
+  EXPECT_EQ(simulator->RollSweep(), sim::MotionStatus::kReached);
   return counter.rays;
 }
 

@@ -7,7 +7,7 @@
 #include "core/errors.h"
 #include "core/rng.h"
 #include "mapping/mapper.h"
-#include "mapping/undistort.h"
+#include "tests/support/placed_spins.h"
 
 namespace atlas::mapping {
 namespace {
@@ -17,8 +17,8 @@ using core::Vec3;
 using core::Vec3f;
 
 /// Spins in a 4 x 4 x 2.4 m room from the inside: distance to the walls in closed form, every tenth ray void.
-core::Sweep RoomSweep(int spins, double noise, const Vec3& velocity = Vec3(0.5, 0.2, 0.0)) {
-  core::Sweep sweep;
+tests::PlacedSpins RoomSweep(int spins, double noise, const Vec3& velocity = Vec3(0.5, 0.2, 0.0)) {
+  tests::PlacedSpins sweep;
   core::Rng rng(3);
   const core::Box3 room{Vec3(-2, -2, 0), Vec3(2, 2, 2.4)};
   for (int s = 0; s < spins; ++s) {
@@ -111,7 +111,7 @@ Agreement Compare(const OccupancyView& view, const octomap::OcTree& tree) {
 
 TEST(OctomapMapper, EqualsOneInsertionIntoTheLibrarysTreeARevolution) {
   const MapperParams params = OctomapParams();
-  core::Sweep sweep = RoomSweep(6, 0.01, Vec3::Zero());  // the library knows one origin a cloud
+  tests::PlacedSpins sweep = RoomSweep(6, 0.01, Vec3::Zero());  // the library knows one origin a cloud
   for (core::SpinEvent& event : sweep.spins) {
     for (core::ReturnKind& kind : event.scan.kind) {
       if (kind == core::ReturnKind::kVoid) kind = core::ReturnKind::kDropout;
@@ -120,7 +120,7 @@ TEST(OctomapMapper, EqualsOneInsertionIntoTheLibrarysTreeARevolution) {
   const auto mapper = MakeMapper(params, kBox);
   octomap::OcTree tree = TreeFor(params);
   for (const core::SpinEvent& event : sweep.spins) {
-    mapper->Integrate({{event}, sweep.T_map_odom});
+    tests::Integrate(event, sweep.T_map_odom, mapper.get());
     UndistortedSpin spin;
     Undistort(event, sweep.T_map_odom, &spin);
     octomap::Pointcloud cloud;
@@ -159,9 +159,9 @@ void InsertRayByRay(const UndistortedSpin& spin, double void_range_m, octomap::O
 TEST(OctomapMapper, EqualsTheLibraryRayByRayWhereTheSensorMovesAndRaysAreVoid) {
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 1.2;  // ends inside the region
-  const core::Sweep sweep = RoomSweep(6, 0.01);
+  const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
   const auto mapper = MakeMapper(params, kBox);
-  mapper->Integrate(sweep);
+  tests::Integrate(sweep, mapper.get());
   octomap::OcTree tree = TreeFor(params);
   UndistortedSpin spin;
   for (const core::SpinEvent& event : sweep.spins) {
@@ -207,10 +207,10 @@ Overlap Overlay(const OccupancyView& view, const Other& other) {
 TEST(OctomapMapper, RaysCutAtTheRegionClearWhatWholeRaysClear) {
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 9.0;
-  const core::Sweep sweep = RoomSweep(6, 0.01);
+  const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
   const core::Box3 inner{Vec3(-1.0, -1.2, 0.3), Vec3(1.3, 1.1, 1.4)};  // every ray leaves it
   const auto mapper = MakeMapper(params, inner);
-  mapper->Integrate(sweep);
+  tests::Integrate(sweep, mapper.get());
   octomap::OcTree tree = TreeFor(params);
   UndistortedSpin spin;
   for (const core::SpinEvent& event : sweep.spins) {
@@ -229,9 +229,9 @@ TEST(OctomapMapper, RaysCutAtTheRegionClearWhatWholeRaysClear) {
 
 TEST(OctomapMapper, SavesTheTreeItself) {
   const MapperParams params = OctomapParams();
-  const core::Sweep sweep = RoomSweep(6, 0.01);
+  const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
   const auto mapper = MakeMapper(params, kBox);
-  mapper->Integrate(sweep);
+  tests::Integrate(sweep, mapper.get());
   const auto dir = std::filesystem::temp_directory_path() / ("atlas_bt_" + std::to_string(::getpid()));
   std::filesystem::create_directories(dir);
   ASSERT_EQ(mapper->Save(dir), "map.bt");
@@ -256,13 +256,13 @@ TEST(OctomapMapper, SavesTheTreeItself) {
 }
 
 TEST(DenseGridMapper, AgreesWithTheLibrarysTreeButForRaysThatGrazeCorners) {
-  const core::Sweep sweep = RoomSweep(6, 0.01);
+  const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
   MapperParams params = OctomapParams();
   const auto tree = MakeMapper(params, kBox);
   params.name = "dense_grid";
   const auto grid = MakeMapper(params, kBox);
-  const auto a = tree->Integrate(sweep), b = grid->Integrate(sweep);
-  EXPECT_TRUE(a.points == b.points);
+  tests::Integrate(sweep, tree.get());
+  tests::Integrate(sweep, grid.get());
   ASSERT_EQ(tree->view().region().min, grid->view().region().min);
   ASSERT_EQ(tree->view().region().max, grid->view().region().max);
   const Overlap n = Overlay(tree->view(), [&](const Vec3& p) { return ViewedAt(grid->view(), p); });
@@ -274,7 +274,7 @@ TEST(DenseGridMapper, AgreesWithTheLibrarysTreeButForRaysThatGrazeCorners) {
 }
 
 TEST(OctomapMapper, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
-  core::Sweep sweep = RoomSweep(6, 0.0, Vec3::Zero());
+  tests::PlacedSpins sweep = RoomSweep(6, 0.0, Vec3::Zero());
   for (core::SpinEvent& event : sweep.spins) {
     std::fill(event.scan.kind.begin(), event.scan.kind.end(), core::ReturnKind::kVoid);
     for (int row = 0; row < 16; ++row) {  // level
@@ -285,20 +285,20 @@ TEST(OctomapMapper, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 1.0;
   const auto clearing = MakeMapper(params, kBox);
-  clearing->Integrate(sweep);
+  tests::Integrate(sweep, clearing.get());
   const Vec3 sensor = sweep.T_map_odom * Vec3(0.3, -0.2, 0.92);
   const Vec3 forward = sweep.T_map_odom.linear() * Vec3::UnitX();
   EXPECT_EQ(clearing->view().StateAt(sensor + 0.5 * forward), CellState::kFree);
   EXPECT_EQ(clearing->view().StateAt(sensor + 1.1 * forward), CellState::kUnknown);
   params.integrator.void_rays = "ignore";
   const auto ignoring = MakeMapper(params, kBox);
-  ignoring->Integrate(sweep);
+  tests::Integrate(sweep, ignoring.get());
   EXPECT_EQ(ignoring->view().StateAt(sensor + 0.5 * forward), CellState::kUnknown);
 }
 
-TEST(OctomapMapper, CloudIsUndistortedOnTheTrueWalls) {
-  const core::Sweep sweep = RoomSweep(5, 0.0);
-  const ReturnCloud cloud = AccumulateSweep(sweep, core::Box3{Vec3(-9, -9, -9), Vec3(9, 9, 9)}, 20.0, 0.015);
+TEST(ScanCloud, IsUndistortedOnTheTrueWalls) {
+  const tests::PlacedSpins sweep = RoomSweep(5, 0.0);
+  const ReturnCloud cloud = tests::CloudOf(sweep, {Vec3(-9, -9, -9), Vec3(9, 9, 9)}, 20.0, 0.015);
   ASSERT_GT(cloud.points.size(), 3000u);
   const Pose T_room_map = sweep.T_map_odom.inverse();
   for (const Vec3f& p : cloud.points) {
@@ -310,7 +310,7 @@ TEST(OctomapMapper, CloudIsUndistortedOnTheTrueWalls) {
 
 TEST(OctomapMapper, TraceListsTheVoxelsThatSamplingFinds) {
   const auto mapper = MakeMapper(OctomapParams(), kBox);
-  mapper->Integrate(RoomSweep(12, 0.0, Vec3(0.05, 0.02, 0.0)));
+  tests::Integrate(RoomSweep(12, 0.0, Vec3(0.05, 0.02, 0.0)), mapper.get());
   const OccupancyView& view = mapper->view();
   core::Rng rng(5);
   std::vector<RaySample> samples;
@@ -338,7 +338,7 @@ TEST(OctomapMapper, TraceListsTheVoxelsThatSamplingFinds) {
 
 TEST(OctomapMapper, DistanceToOccupiedMatchesBruteForce) {
   const auto mapper = MakeMapper(OctomapParams(), kBox);
-  mapper->Integrate(RoomSweep(3, 0.0));
+  tests::Integrate(RoomSweep(3, 0.0), mapper.get());
   const auto centers = mapper->view().OccupiedCenters();
   ASSERT_FALSE(centers.empty());
   core::Rng rng(6);
@@ -361,11 +361,11 @@ class EachMapper : public ::testing::TestWithParam<std::string> {
 };
 
 TEST_P(EachMapper, ViewIsWholeWhicheverThreadAsksFirst) {
-  const core::Sweep sweep = RoomSweep(4, 0.01);
+  const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
   const auto quiet = Make(), busy = Make();
   for (const core::SpinEvent& event : sweep.spins) {
-    quiet->Integrate({{event}, sweep.T_map_odom});
-    busy->Integrate({{event}, sweep.T_map_odom});
+    tests::Integrate(event, sweep.T_map_odom, quiet.get());
+    tests::Integrate(event, sweep.T_map_odom, busy.get());
     size_t bytes = 0, known = 0;
     std::vector<Vec3f> occupied;
     std::thread scorer([&] {

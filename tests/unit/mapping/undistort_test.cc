@@ -1,4 +1,4 @@
-#include "mapping/undistort.h"
+#include "mapping/cloud/undistort.h"
 
 #include <gtest/gtest.h>
 

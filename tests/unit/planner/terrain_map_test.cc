@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/support/placed_spins.h"
 #include "tests/unit/planner/terrain_fixture.h"
 
 namespace atlas::planner {
@@ -78,7 +79,7 @@ TEST(TerrainMap, RollingSpinIsUndistortedByEachRaysOwnTime) {
   core::SpinEvent spin = sensors.Spin(0.0, rolling);
   ElevationMap map(TerrainParams{}, robots::RobotSpec{});
   map.OnState(sensors.State(0.0, T));
-  map.OnSpin(spin);
+  map.OnSpin(tests::Shared(spin));
   map.Update();
   const Statistics truth = RingStatistics(map, {0, 0}, 1.0, 4.0);
   EXPECT_GT(truth.known_share, 0.02);
@@ -89,7 +90,7 @@ TEST(TerrainMap, RollingSpinIsUndistortedByEachRaysOwnTime) {
   spin.T_odom_lidar = frozen;
   ElevationMap distorted(TerrainParams{}, robots::RobotSpec{});
   distorted.OnState(sensors.State(0.0, T));
-  distorted.OnSpin(spin);
+  distorted.OnSpin(tests::Shared(spin));
   distorted.Update();
   EXPECT_GT(RingStatistics(distorted, {0, 0}, 1.0, 4.0).deviation, 0.05);
 }

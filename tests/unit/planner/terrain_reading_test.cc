@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "planner/terrain/traversability.h"
+#include "tests/support/placed_spins.h"
 #include "tests/unit/planner/terrain_fixture.h"
 
 namespace atlas::planner {
@@ -153,7 +154,7 @@ TEST(TerrainReading, SpinsDepthImagesAndFeetAreMovedByTheLocalisation) {
     TerrainSensors sensors(&world, 4);
     ElevationMap map(TerrainParams{}, robots::RobotSpec{});
     map.OnState(MovedState(&sensors, T_odom_base, sensor == "feet"));
-    if (sensor == "spin") map.OnSpin(sensors.Spin(0.0, [&](double) { return T_odom_base; }));
+    if (sensor == "spin") map.OnSpin(tests::Shared(sensors.Spin(0.0, [&](double) { return T_odom_base; })));
     if (sensor == "depth") map.OnDepth(sensors.Depth(T_odom_base, 0.4, Radians(30), 0));
     map.Update();
     int known = 0;

@@ -14,8 +14,8 @@ using core::Vec2;
 /// Ranges of hits, 0 elsewhere, spin after spin.
 class Ranges : public core::SensorSink {
  public:
-  void OnSpin(const core::SpinEvent& event) override {
-    range_m.insert(range_m.end(), event.scan.range_m.begin(), event.scan.range_m.end());
+  void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override {
+    range_m.insert(range_m.end(), spin->scan.range_m.begin(), spin->scan.range_m.end());
   }
   std::vector<float> range_m;
 };
@@ -44,7 +44,7 @@ Ride RideWith(const std::string& locomotion, double drift, double range_sigma_m)
       20.0);
   EXPECT_EQ(sim->Walk({{Vec2(0, 0), Vec2(1.5, 0.0), Vec2(1.5, 1.0)}, 1.0}, nullptr).status,
             MotionStatus::kReached);
-  EXPECT_EQ(sim->RollSweep(nullptr), MotionStatus::kReached);
+  EXPECT_EQ(sim->RollSweep(), MotionStatus::kReached);
   ride.range_m = std::move(ranges.range_m);
   return ride;
 }

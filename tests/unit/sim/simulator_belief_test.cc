@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "core/rng.h"
 #include "locomotion_scenes.h"
 #include "robots/robot_spec.h"
 #include "sim/simulator.h"
@@ -28,9 +29,42 @@ std::unique_ptr<Simulator> MakeOnFlatGround(const SimParams& params, uint64_t se
   return MakeSimulator(test::FlatScene(), robots::LoadRobot("quadruped"), params, core::Rng(seed));
 }
 
-Pose Believed(const Simulator& sim) {
-  return sim.T_map_odom() * sim.T_odom_base();
-}
+/// Tells the simulator once a second where it is, with errors of its own, and hands all events on.
+class NoisyFixes : public core::SensorSink {
+ public:
+  NoisyFixes(Simulator* sim, double sigma_m, uint64_t seed, core::SensorSink* next = nullptr)
+      : sim_(sim), sigma_m_(sigma_m), rng_(seed), next_(next) {
+    sim->SetSink(this);
+  }
+  ~NoisyFixes() override { sim_->SetSink(nullptr); }
+
+  void OnState(const core::StateEvent& event) override {
+    if (event.time_s >= next_fix_s_) {
+      next_fix_s_ += 1.0;
+      const Vec3 error(rng_.Normal(), rng_.Normal(), rng_.Normal());
+      T_map_odom =
+          Eigen::Translation3d(sigma_m_ * error) * sim_->TrueBasePose() * event.T_odom_base.inverse();
+      sim_->SetLocalisation(T_map_odom);
+    }
+    if (next_ != nullptr) next_->OnState(event);
+  }
+  void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override {
+    if (next_ != nullptr) next_->OnSpin(spin);
+  }
+  void OnDepth(const core::DepthEvent& event) override {
+    if (next_ != nullptr) next_->OnDepth(event);
+  }
+  Pose Believed() const { return T_map_odom * sim_->T_odom_base(); }
+
+  Pose T_map_odom = Pose::Identity();
+
+ private:
+  Simulator* sim_;
+  double sigma_m_;
+  core::Rng rng_;
+  core::SensorSink* next_;
+  double next_fix_s_ = 0.0;
+};
 
 /// A map of level ground with strips across x that are no place for a foot.
 class StripedMap : public core::TerrainView {
@@ -40,13 +74,12 @@ class StripedMap : public core::TerrainView {
   Ground At(double x, double) const override { return {0.0, true, IntoPitch(x) >= kStripM}; }
 };
 
-/// Where feet came down, in the map frame as believed.
+/// Where feet came down, in the odometry frame.
 class Landings : public core::SensorSink {
  public:
   void OnState(const core::StateEvent& event) override {
     for (int i = 0; i < 4; ++i) {
-      if (event.foot_in_contact[i] && !down_[i] && event.time_s > 0.5)
-        points.push_back(event.T_map_odom * event.foot_odom[i]);
+      if (event.foot_in_contact[i] && !down_[i] && event.time_s > 0.5) points.push_back(event.foot_odom[i]);
       down_[i] = event.foot_in_contact[i];
     }
   }
@@ -78,7 +111,6 @@ class OdometryWay : public core::SensorSink {
 TEST(SimulatorBelief, TheDistanceThatTheRobotKnowsIsThatOfItsOdometry) {
   SimParams params = Params("kinematic");
   params.odometry.drift_xy_per_m = 0.1;
-  params.localisation.name = "none";
   const auto sim = MakeOnFlatGround(params, 3);
   OdometryWay way;
   sim->SetSink(&way);
@@ -95,7 +127,7 @@ TEST(SimulatorBelief, FeetKeepOffWhatTheMapHoldsUnsteppableThoughTheGroundIsLeve
   const auto landings_with = [&](const std::string& terrain) {
     SimParams params = Params("trot");
     params.locomotion.terrain = terrain;
-    params.localisation.sigma_m = params.localisation.sigma_deg = 0.0;
+    params.odometry.drift_xy_per_m = params.odometry.drift_yaw_deg_per_m = 0.0;
     const auto sim = MakeOnFlatGround(params, 2);
     Landings landings;
     sim->SetSink(&landings);
@@ -112,10 +144,10 @@ TEST(SimulatorBelief, FeetKeepOffWhatTheMapHoldsUnsteppableThoughTheGroundIsLeve
 /// Level ground; keeps how far from the robot it was asked.
 class AskedMap : public core::TerrainView {
  public:
-  explicit AskedMap(const Simulator* sim) : sim_(sim) {}
+  AskedMap(const Simulator* sim, const NoisyFixes* fixes) : sim_(sim), fixes_(fixes) {}
   Ground At(double x, double y) const override {
     ++asked;
-    from_believed_m2 += (Vec2(x, y) - Believed(*sim_).translation().head<2>()).squaredNorm();
+    from_believed_m2 += (Vec2(x, y) - fixes_->Believed().translation().head<2>()).squaredNorm();
     from_true_m2 += (Vec2(x, y) - sim_->TrueBasePose().translation().head<2>()).squaredNorm();
     return {0.0, true, true};
   }
@@ -123,14 +155,14 @@ class AskedMap : public core::TerrainView {
 
  private:
   const Simulator* sim_;
+  const NoisyFixes* fixes_;
 };
 
 TEST(SimulatorBelief, TheGaitReadsTheMapWhereTheRobotBelievesToBe) {
   constexpr double kSigma = 0.15;
-  SimParams params = Params("trot");
-  params.localisation.sigma_m = kSigma;
-  const auto sim = MakeOnFlatGround(params, 3);
-  const AskedMap map(sim.get());
+  const auto sim = MakeOnFlatGround(Params("trot"), 3);
+  const NoisyFixes fixes(sim.get(), kSigma, 3);
+  const AskedMap map(sim.get(), &fixes);
   sim->Walk({{Vec2(4.0, 0.0)}, 0.0}, &map);
   ASSERT_GT(map.asked, 1000.0);
   // About where it believes to be, the true base lies scattered by the error on both axes, and the other way
@@ -143,9 +175,8 @@ TEST(SimulatorBelief, PathsAreFollowedByBelievedPoses) {
   constexpr int kRuns = 12;
   double error2 = 0.0;
   for (int run = 0; run < kRuns; ++run) {
-    SimParams params = Params("kinematic");
-    params.localisation.sigma_m = kSigma;
-    const auto sim = MakeOnFlatGround(params, static_cast<uint64_t>(run));
+    const auto sim = MakeOnFlatGround(Params("kinematic"), static_cast<uint64_t>(run));
+    const NoisyFixes fixes(sim.get(), kSigma, static_cast<uint64_t>(run));
     sim->Walk({{Vec2(1.0, 0.0)}, 0.0}, nullptr);
     error2 += (sim->TrueBasePose().translation().head<2>() - Vec2(1.0, 0.0)).squaredNorm();
   }
@@ -163,9 +194,8 @@ class Comparer : public core::SensorSink {
   void OnState(const core::StateEvent& event) override {
     ++states;
     EXPECT_EQ(event.T_odom_base.matrix(), sim_->T_odom_base().matrix());
-    EXPECT_EQ(event.T_map_odom.matrix(), sim_->T_map_odom().matrix());
     const Pose T_map_base = sim_->TrueBasePose();
-    error_m2 += (Believed(*sim_).translation() - T_map_base.translation()).squaredNorm();
+    error_m2 += (event.T_odom_base.translation() - T_map_base.translation()).squaredNorm();
     const Pose T_map_odom_true = T_map_base * event.T_odom_base.inverse();
     for (int i = 0; i < 4; ++i) {
       // Joints tell where the feet are about the base, exactly: soles in contact lie on the true floor.
@@ -173,8 +203,8 @@ class Comparer : public core::SensorSink {
       EXPECT_NEAR((T_map_odom_true * event.foot_odom[i]).z(), 0.0, 1e-9);
     }
   }
-  void OnSpin(const core::SpinEvent& event) override {
-    for (const core::StampedPose& pose : event.T_odom_lidar.poses()) {
+  void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override {
+    for (const core::StampedPose& pose : spin->T_odom_lidar.poses()) {
       const auto at = T_odom_base_at_.find(std::lround(1e3 * pose.time_s));
       if (at == T_odom_base_at_.end()) continue;
       ++spin_poses;
@@ -199,10 +229,8 @@ TEST(SimulatorBelief, EventsCarryEstimatesAndNoTruth) {
   SimParams params = Params("kinematic");
   params.sensors.depth_camera = true;
   params.sensors.walking_spin_stride = 4;
-  params.odometry.drift_xy_per_m = 0.05;
+  params.odometry.drift_xy_per_m = 0.15;
   params.odometry.drift_yaw_deg_per_m = 2.0;
-  params.localisation.sigma_m = 0.05;
-  params.localisation.sigma_deg = 2.0;
   const robots::RobotSpec robot = robots::LoadRobot("quadruped");
   const auto sim = MakeOnFlatGround(params, 6);
   Comparer comparer(sim.get(), robot);
@@ -214,7 +242,7 @@ TEST(SimulatorBelief, EventsCarryEstimatesAndNoTruth) {
   if (sim->render_backend() != "none") {
     EXPECT_GT(comparer.depths, 5);
   }
-  EXPECT_GT(std::sqrt(comparer.error_m2 / comparer.states), 0.05) << "belief and truth are apart";
+  EXPECT_GT(std::sqrt(comparer.error_m2 / comparer.states), 0.05) << "odometry and truth are apart";
 }
 
 TEST(SimulatorBelief, TheSweepRollsToItsAngleBothWaysInItsPeriod) {
@@ -233,7 +261,7 @@ TEST(SimulatorBelief, TheSweepRollsToItsAngleBothWaysInItsPeriod) {
         },
         100.0);
     const double start_s = sim->time_s();
-    EXPECT_EQ(sim->RollSweep(nullptr), MotionStatus::kReached);
+    EXPECT_EQ(sim->RollSweep(), MotionStatus::kReached);
     EXPECT_NEAR(core::Degrees(high), roll_deg, 0.5);
     EXPECT_NEAR(core::Degrees(low), -roll_deg, 0.5);
     EXPECT_NEAR(sim->time_s() - start_s, 5.0, 0.3);

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "core/mesh.h"
 #include "core/sensor_events.h"
 
 namespace atlas::mapping {
@@ -25,20 +24,5 @@ struct UndistortedSpin {
 void Undistort(const core::SpinEvent& spin, const core::Pose& T_map_odom, UndistortedSpin* out);
 /// The same without its voids.
 void UndistortHits(const core::SpinEvent& spin, const core::Pose& T_map_odom, UndistortedSpin* out);
-
-/// Keeps the first point in each cell of a grid; remembers cells across calls.
-class VoxelFilter {
- public:
-  explicit VoxelFilter(double cell_m) : inverse_cell_(1.0 / cell_m), table_(1u << 16, kEmpty) {}
-  /// Whether `p` is the first in its cell. @pre |p| < 2^20 cells.
-  bool Insert(const core::Vec3f& p);
-
- private:
-  static constexpr uint64_t kEmpty = ~uint64_t{0};
-  void Grow();
-  double inverse_cell_;
-  std::vector<uint64_t> table_;  // open addressing, power of two
-  size_t size_ = 0;
-};
 
 }  // namespace atlas::mapping

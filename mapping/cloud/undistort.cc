@@ -1,7 +1,4 @@
-#include "mapping/undistort.h"
-
-#include "core/rng.h"
-#include "mapping/mapper.h"
+#include "mapping/cloud/undistort.h"
 
 namespace atlas::mapping {
 namespace {
@@ -62,52 +59,6 @@ void Undistort(const core::SpinEvent& spin, const Pose& T_map_odom, UndistortedS
 
 void UndistortHits(const core::SpinEvent& spin, const Pose& T_map_odom, UndistortedSpin* out) {
   UndistortInto<false>(spin, T_map_odom, out);
-}
-
-bool VoxelFilter::Insert(const Vec3f& p) {
-  uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<int64_t>(std::floor(static_cast<double>(p[axis]) * inverse_cell_));
-    key = (key << 21) | (static_cast<uint64_t>(cell + (1 << 20)) & 0x1fffff);
-  }
-  if (2 * (size_ + 1) > table_.size()) Grow();
-  const size_t mask = table_.size() - 1;
-  for (size_t slot = core::HashCounter(0, key) & mask;; slot = (slot + 1) & mask) {
-    if (table_[slot] == key) return false;
-    if (table_[slot] == kEmpty) {
-      table_[slot] = key;
-      ++size_;
-      return true;
-    }
-  }
-}
-
-void VoxelFilter::Grow() {
-  std::vector<uint64_t> old(2 * table_.size(), kEmpty);
-  old.swap(table_);
-  const size_t mask = table_.size() - 1;
-  for (const uint64_t key : old) {
-    if (key == kEmpty) continue;
-    size_t slot = core::HashCounter(0, key) & mask;
-    while (table_[slot] != kEmpty) slot = (slot + 1) & mask;
-    table_[slot] = key;
-  }
-}
-
-ReturnCloud AccumulateSweep(const core::Sweep& sweep, const core::Box3& region_map, double max_range_m,
-                            double spacing_m) {
-  ReturnCloud cloud;
-  VoxelFilter filter(spacing_m);
-  UndistortedSpin spin;
-  for (const core::SpinEvent& event : sweep.spins) {
-    Undistort(event, sweep.T_map_odom, &spin);
-    for (const MapRay& ray : spin.hits) {
-      if (ray.range_m > static_cast<float>(max_range_m)) continue;
-      const Vec3f p = ray.origin_map + ray.range_m * ray.direction_map;
-      if (region_map.Contains(p.cast<double>()) && filter.Insert(p)) cloud.Add(p, ray.origin_map);
-    }
-  }
-  return cloud;
 }
 
 }  // namespace atlas::mapping

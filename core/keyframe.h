@@ -1,0 +1,50 @@
+// Places that survive a correction of the map: they are kept relative to keyframes, and posed when they are
+// read.
+//
+//        map ──T_map_keyframe──> keyframe ──T_keyframe_here──> the place
+//            (a PoseSource's,       (an Anchor's,
+//             changes when the       never changes)
+//             map is corrected)
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/geometry.h"
+#include "core/sensor_events.h"
+
+namespace atlas::core {
+
+/// Counted from 0 in the order in which a localiser made them.
+using KeyframeId = uint32_t;
+
+/// Where keyframes lie in the map, as known at one moment. Immutable, and so for any thread.
+class PoseSource {
+ public:
+  virtual ~PoseSource() = default;
+  /// @pre the keyframe existed when this was taken.
+  virtual Pose T_map_keyframe(KeyframeId keyframe) const = 0;
+  /// Greater than that of any source before it in which a keyframe lay elsewhere. A new keyframe alone does
+  /// not change it.
+  virtual uint64_t version() const = 0;
+};
+
+/// A place, kept relative to a keyframe.
+struct Anchor {
+  KeyframeId keyframe = 0;
+  Pose T_keyframe_here = Pose::Identity();
+
+  Pose T_map_here(const PoseSource& poses) const { return poses.T_map_keyframe(keyframe) * T_keyframe_here; }
+};
+
+/// A revolution, and where in the map it belongs: odometry is smooth while it lasts, so one pose of the
+/// odometry's frame moves all of it.
+struct AnchoredSpin {
+  std::shared_ptr<const SpinEvent> spin;
+  KeyframeId keyframe = 0;
+  Pose T_keyframe_odom = Pose::Identity();
+
+  Pose T_map_odom(const PoseSource& poses) const { return poses.T_map_keyframe(keyframe) * T_keyframe_odom; }
+};
+
+}  // namespace atlas::core

@@ -1,0 +1,58 @@
+// Where the robot is in the map: what stands between its odometry and everything that remembers a place.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/keyframe.h"
+#include "core/params.h"
+#include "core/rng.h"
+#include "core/sensor_events.h"
+
+namespace atlas::mapping {
+
+struct LocalisationParams {
+  std::string name = "truth";  ///< see LocaliserCatalog()
+  double sigma_m = 0.005;      ///< truth: of T_map_base, each axis (thesis 3.3: little drift at this scale)
+  double sigma_deg = 0.05;
+  double period_s = 1.0;  ///< truth: from fix to fix; 0: at every state
+  void Visit(core::ParamVisitor& v);
+};
+
+/// Fed by one thread; what poses() returned may be read by any.
+class Localiser {
+ public:
+  virtual ~Localiser() = default;
+  /// Hears the odometry, in time order.
+  virtual void OnState(const core::StateEvent& state) = 0;
+  /// Anchors a revolution. Call once each, in time order, after the states up to its end.
+  virtual core::AnchoredSpin Place(std::shared_ptr<const core::SpinEvent> spin) = 0;
+  /// The odometry's frame in the map, as of the latest state.
+  virtual core::Pose T_map_odom() const = 0;
+  /// Holds every keyframe so far.
+  virtual std::shared_ptr<const core::PoseSource> poses() const = 0;
+};
+
+/// What a localiser starts from.
+struct LocaliserStart {
+  core::Pose T_map_odom = core::Pose::Identity();   ///< exact
+  core::Pose T_odom_base = core::Pose::Identity();  ///< where the robot stands
+  /// The true T_map_base at the time of the latest state: for the localiser `truth` alone.
+  std::function<core::Pose()> T_map_base_true;
+};
+
+struct LocaliserEntry {
+  std::string name;
+  std::string doc;
+  std::unique_ptr<Localiser> (*build)(const LocalisationParams& params, const LocaliserStart& start,
+                                      const core::Rng& rng);
+};
+const std::vector<LocaliserEntry>& LocaliserCatalog();
+
+/// @throws InputError for an unknown name.
+std::unique_ptr<Localiser> MakeLocaliser(const LocalisationParams& params, const LocaliserStart& start,
+                                         const core::Rng& rng);
+
+}  // namespace atlas::mapping
