@@ -78,7 +78,6 @@ struct DepthEvent {
 struct StateEvent {
   double time_s = 0.0;
   Pose T_odom_base = Pose::Identity();                                           ///< proprioceptive odometry
-  Pose T_map_odom = Pose::Identity();                                            ///< latest localisation
   Vec3 foot_odom[4] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< sole points; LF RF LH RH
   bool foot_in_contact[4] = {false, false, false, false};
 };

@@ -14,6 +14,7 @@
 #include "experiments/run_localiser.h"
 #include "experiments/sensor_feed.h"
 #include "experiments/stopwatch.h"
+#include "planner/terrain/posed_ground.h"
 #include "planner/utility/surface_tally.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
@@ -44,7 +45,7 @@ struct Mission {
                                         rng.Split("planner"))),
         surface(scene.object_box, config.mapper.resolution_m),
         lanes(kTaskLanes, options.threads > 1) {
-    terrain.InitialiseUnderRobot(T_map_base());
+    terrain.InitialiseUnderRobot(simulator->T_odom_base());
     simulator->SetLocalisation(localiser->T_map_odom());
     simulator->SetSink(&feed);
     simulator->SetStop(options.should_stop);
@@ -88,6 +89,7 @@ struct Mission {
             .turning_radius_m = robot.footprint_radius_m};
   }
 
+  planner::PosedGround Ground() const { return {terrain, T_map_base(), simulator->T_odom_base()}; }
   Pose T_map_base() const { return localiser->T_map_odom() * simulator->T_odom_base(); }
 
   const ExperimentConfig& config;
@@ -129,7 +131,7 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
   const Stopwatch updating;
   m->feed.AdoptTerrain();
   m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
-  const size_t new_surface = m->surface.CountNew(m->returns_map, m->terrain);
+  const size_t new_surface = m->surface.CountNew(m->returns_map, m->Ground());
   m->returns_map.clear();
   m->planner->OnSweep(T_map_base, new_surface);
   m->metrics.ObserveMap(mapped.cloud_points, 1e3 * mapped.integration_s, new_surface);
@@ -140,9 +142,10 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
 /// Plans while the metrics are scored.
 planner::NbvDecision PlanNextView(Mission* m) {
   const Stopwatch planning;
-  planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), m->terrain);
+  const planner::PosedGround ground = m->Ground();
+  planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), ground);
   m->metrics.timing().nbv_time_s = planning.seconds();
-  m->metrics.ObserveGround(m->terrain);
+  m->metrics.ObserveGround(ground);
   m->lanes.Drain(kMapLane);
   m->metrics.AdoptScore();
   return decision;

@@ -73,7 +73,7 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
       options_(options),
       scene_(scene),
       recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config))),
-      ground_(robot.half_width_m, robot.footprint_radius_m) {
+      ground_(config.planner.terrain.cell_m, robot.half_width_m, robot.footprint_radius_m) {
   core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
   options_.progress("sampling the ground truth", false);
   truth_ = scenes::SampleGroundTruth(scene, config.mission.truth_spacing_m);

@@ -51,10 +51,8 @@ void SensorFeed::OnState(const core::StateEvent& event) {
   now_s_ = event.time_s;
   if (refreshing_ && event.time_s >= adopt_s_) AdoptTerrain();
   to_.localiser->OnState(event);
-  const core::Pose T_map_odom = to_.localiser->T_map_odom();
-  to_.on_localised(T_map_odom);
+  to_.on_localised(to_.localiser->T_map_odom());
   states_.push_back(event);
-  states_.back().T_map_odom = T_map_odom;
 }
 
 void SensorFeed::OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) {

@@ -135,7 +135,7 @@ MotionStatus WalkingSimulator::Run(const Tick& tick) {
       next_tick_s += kControlPeriodS;
       if (locomotion_->fallen()) return MotionStatus::kFell;
       if (should_stop_ && should_stop_()) return MotionStatus::kStopped;
-      locomotion_->SetBelief(BelievedBase());
+      locomotion_->SetOdometry(odometry_.T_odom_base());
       if (const std::optional<MotionStatus> end = tick(time_s())) return *end;
     }
     Step();

@@ -103,7 +103,7 @@ class Simulator {
 
   /// Stands still for `duration_s`, sensing.
   virtual MotionStatus Stand(double duration_s) = 0;
-  /// Follows `path`. `terrain` (map frame) is what footholds are chosen on; null reads the true ground.
+  /// Follows `path`. `terrain` (odometry frame) is what footholds are chosen on; null reads the true ground.
   virtual WalkResult Walk(const WalkPath& path, const core::TerrainView* terrain) = 0;
   /// The scanning action: rolls the base +roll to -roll and back while standing (thesis 3.6.1).
   virtual MotionStatus RollSweep() = 0;

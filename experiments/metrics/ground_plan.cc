@@ -71,15 +71,15 @@ void GroundPlan::Cover(int min_x, int min_y, int cols, int rows) {
   rows_ = y1 - y0;
 }
 
-void GroundPlan::Learn(const planner::ElevationMap::Grid& grid) {
-  cell_m_ = grid.cell_m;
-  const int min_x = static_cast<int>(std::lround(grid.origin.x() / cell_m_));
-  const int min_y = static_cast<int>(std::lround(grid.origin.y() / cell_m_));
-  Cover(min_x, min_y, grid.cols, grid.rows);
-  for (int r = 0; r < grid.rows; ++r) {
-    for (int c = 0; c < grid.cols; ++c) {
-      const GroundKind now =
-          grid.kind[static_cast<size_t>(r) * static_cast<size_t>(grid.cols) + static_cast<size_t>(c)];
+void GroundPlan::Learn(const planner::TraversableGround& ground) {
+  const core::Box3 window = ground.Window();
+  const auto cells = [this](double m) { return static_cast<int>(std::lround(m / cell_m_)); };
+  const int min_x = cells(window.min.x()), min_y = cells(window.min.y());
+  const int cols = cells(window.Size().x()), rows = cells(window.Size().y());
+  Cover(min_x, min_y, cols, rows);
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < cols; ++c) {
+      const GroundKind now = ground.KindAt(cell_m_ * core::Vec2(min_x + c + 0.5, min_y + r + 0.5));
       GroundKind& known = kind_[static_cast<size_t>(r + min_y - min_y_) * static_cast<size_t>(cols_) +
                                 static_cast<size_t>(c + min_x - min_x_)];
       const bool tells_nothing =

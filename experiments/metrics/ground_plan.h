@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "planner/nbv_planner.h"
-#include "planner/terrain/elevation_map.h"
+#include "planner/traversable_ground.h"
 
 namespace atlas::experiments {
 
@@ -51,12 +51,12 @@ struct GroundImage {
 class GroundPlan {
  public:
   /// Widths in metres: of the footprint's half across, and of the circle in which it turns.
-  GroundPlan(double half_width_m, double turning_radius_m)
-      : half_width_m_(half_width_m), turning_radius_m_(turning_radius_m) {}
+  GroundPlan(double cell_m, double half_width_m, double turning_radius_m)
+      : cell_m_(cell_m), half_width_m_(half_width_m), turning_radius_m_(turning_radius_m) {}
 
   /// Later knowledge wins; where the window knows nothing (or no way joins the place to the robot any more)
-  /// stays what was known. All grids have the same cells.
-  void Learn(const planner::ElevationMap::Grid& grid);
+  /// stays what was known.
+  void Learn(const planner::TraversableGround& ground);
   /// All ground so far.
   GroundImage Image() const;
   /// Writes terrain.pgm and terrain.yaml. @throws InputError where they cannot be written.
@@ -65,8 +65,7 @@ class GroundPlan {
  private:
   void Cover(int min_x, int min_y, int cols, int rows);
 
-  double half_width_m_, turning_radius_m_;
-  double cell_m_ = 0.04;
+  double cell_m_, half_width_m_, turning_radius_m_;
   int min_x_ = 0, min_y_ = 0, cols_ = 0, rows_ = 0;  ///< in cells of the map frame
   std::vector<planner::GroundKind> kind_;
 };

@@ -51,8 +51,8 @@ struct ElevationMap::Impl {
     wave.headroom_m = static_cast<float>(r.stance_height_m + r.body_top_m + kHeadroomMargin_m);
   }
 
-  void MoveTo(const core::Pose& T_map_base, double ground) {
-    base = T_map_base;
+  void MoveTo(const core::Pose& T_odom_base, double ground) {
+    base = T_odom_base;
     ingest.SetGround(static_cast<float>(ground));
     const int ix = grid.IndexOf(base.translation().x()), iy = grid.IndexOf(base.translation().y());
     const int centre_x = grid.min_x() + grid.side() / 2, centre_y = grid.min_y() + grid.side() / 2;
@@ -109,7 +109,6 @@ struct ElevationMap::Impl {
   bool refreshed = false;  ///< fresh is newer than published
   const terrain::TerrainImage& image = published.image;
   core::Pose base = core::Pose::Identity();
-  core::Pose T_map_odom = core::Pose::Identity();
   bool foot_down[4] = {false, false, false, false};
 };
 
@@ -117,10 +116,10 @@ ElevationMap::ElevationMap(const TerrainParams& params, const robots::RobotSpec&
     : impl_(std::make_unique<Impl>(params, robot)) {}
 ElevationMap::~ElevationMap() = default;
 
-void ElevationMap::InitialiseUnderRobot(const core::Pose& T_map_base) {
+void ElevationMap::InitialiseUnderRobot(const core::Pose& T_odom_base) {
   Impl& m = *impl_;
-  const double ground = T_map_base.translation().z() - m.robot.stance_height_m;
-  m.MoveTo(T_map_base, ground);
+  const double ground = T_odom_base.translation().z() - m.robot.stance_height_m;
+  m.MoveTo(T_odom_base, ground);
   const double radius = m.params.initial_ground_radius_m;
   m.headroom.AddClearDisc(m.base.translation().head<2>(), radius, ground, ground + m.wave.headroom_m);
   const int reach = static_cast<int>(std::ceil(radius / m.params.cell_m));
@@ -135,31 +134,30 @@ void ElevationMap::InitialiseUnderRobot(const core::Pose& T_map_base) {
 
 void ElevationMap::OnState(const core::StateEvent& event) {
   Impl& m = *impl_;
-  m.T_map_odom = event.T_map_odom;
-  const core::Pose T_map_base = event.T_map_odom * event.T_odom_base;
   double sum = 0.0;
   int down = 0;
   for (int foot = 0; foot < 4; ++foot) {
     if (!event.foot_in_contact[foot]) continue;
-    sum += (event.T_map_odom * event.foot_odom[foot]).z();
+    sum += event.foot_odom[foot].z();
     ++down;
   }
-  const double ground = down >= 2 ? sum / down : T_map_base.translation().z() - m.robot.stance_height_m;
-  m.MoveTo(T_map_base, ground);
+  const double ground =
+      down >= 2 ? sum / down : event.T_odom_base.translation().z() - m.robot.stance_height_m;
+  m.MoveTo(event.T_odom_base, ground);
   for (int foot = 0; foot < 4; ++foot) {
     const bool landed = event.foot_in_contact[foot] && !m.foot_down[foot];
     m.foot_down[foot] = event.foot_in_contact[foot];
-    if (landed) m.ingest.AddFoot(event.T_map_odom * event.foot_odom[foot], kFootSigma_m);
+    if (landed) m.ingest.AddFoot(event.foot_odom[foot], kFootSigma_m);
   }
 }
 
 void ElevationMap::OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) {
-  impl_->ingest.AddSpin(*spin, impl_->T_map_odom);
+  impl_->ingest.AddSpin(*spin);
 }
 
 void ElevationMap::OnDepth(const core::DepthEvent& event) {
   Impl& m = *impl_;
-  m.ingest.AddDepth(event, m.T_map_odom, m.base, core::Vec2(m.robot.half_length_m, m.robot.half_width_m));
+  m.ingest.AddDepth(event, m.base, core::Vec2(m.robot.half_length_m, m.robot.half_width_m));
 }
 
 void ElevationMap::Update() {
@@ -190,9 +188,9 @@ void ElevationMap::Refresh() {
   m.refreshed = true;
 }
 
-core::TerrainView::Ground ElevationMap::At(double x_map, double y_map) const {
+core::TerrainView::Ground ElevationMap::At(double x_odom, double y_odom) const {
   const Impl& m = *impl_;
-  const int i = m.IndexAt(x_map, y_map);
+  const int i = m.IndexAt(x_odom, y_odom);
   Ground ground;
   if (i < 0) return ground;
   const size_t at = static_cast<size_t>(i);
@@ -201,7 +199,7 @@ core::TerrainView::Ground ElevationMap::At(double x_map, double y_map) const {
   if (!ground.known) return ground;
   ground.steppable = m.image.steppable[at] != 0;
   // Bilinear between the four nearest centres, of which those across an edge count as this cell.
-  const double u = x_map / m.params.cell_m - 0.5, v = y_map / m.params.cell_m - 0.5;
+  const double u = x_odom / m.params.cell_m - 0.5, v = y_odom / m.params.cell_m - 0.5;
   const int c = static_cast<int>(std::floor(u)), r = static_cast<int>(std::floor(v));
   const double fu = u - c, fv = v - r;
   double height = 0.0;
@@ -219,38 +217,38 @@ core::TerrainView::Ground ElevationMap::At(double x_map, double y_map) const {
   return ground;
 }
 
-double ElevationMap::Traversability(const core::Vec2& p_map) const {
-  const int i = impl_->IndexAt(p_map.x(), p_map.y());
+double ElevationMap::Traversability(const core::Vec2& p_odom) const {
+  const int i = impl_->IndexAt(p_odom.x(), p_odom.y());
   return i < 0 ? 0.0 : impl_->image.traversability[static_cast<size_t>(i)];
 }
 
-GroundKind ElevationMap::KindAt(const core::Vec2& p_map) const {
-  const int i = impl_->IndexAt(p_map.x(), p_map.y());
+GroundKind ElevationMap::KindAt(const core::Vec2& p_odom) const {
+  const int i = impl_->IndexAt(p_odom.x(), p_odom.y());
   return i < 0 ? GroundKind::kUnknown : impl_->image.kind[static_cast<size_t>(i)];
 }
 
-bool ElevationMap::FootprintFree(const core::Vec2& p_map, double yaw_rad) const {
+bool ElevationMap::FootprintFree(const core::Vec2& p_odom, double yaw_rad) const {
   const Impl& m = *impl_;
   const core::Vec2 along(std::cos(yaw_rad), std::sin(yaw_rad));
   const double rim = m.params.edge_clearance_m;
-  return m.RectangleClear(p_map, along, m.robot.half_length_m, m.robot.half_width_m,
+  return m.RectangleClear(p_odom, along, m.robot.half_length_m, m.robot.half_width_m,
                           m.image.distance2_blocked) &&
-         m.RectangleClear(p_map, along, m.robot.half_length_m + rim, m.robot.half_width_m + rim,
+         m.RectangleClear(p_odom, along, m.robot.half_length_m + rim, m.robot.half_width_m + rim,
                           m.image.distance2_open);
 }
 
-bool ElevationMap::CircleFree(const core::Vec2& p_map) const {
+bool ElevationMap::CircleFree(const core::Vec2& p_odom) const {
   const Impl& m = *impl_;
   const double radius = m.robot.footprint_radius_m;
-  return m.clearance_m(p_map.x(), p_map.y(), m.image.distance2_blocked) >= radius &&
-         m.clearance_m(p_map.x(), p_map.y(), m.image.distance2_open) >= radius + m.params.edge_clearance_m;
+  return m.clearance_m(p_odom.x(), p_odom.y(), m.image.distance2_blocked) >= radius &&
+         m.clearance_m(p_odom.x(), p_odom.y(), m.image.distance2_open) >= radius + m.params.edge_clearance_m;
 }
 
-ElevationMap::Surface ElevationMap::SurfaceAt(const core::Vec2& p_map) const {
+ElevationMap::Surface ElevationMap::SurfaceAt(const core::Vec2& p_odom) const {
   const Impl& m = *impl_;
   Surface surface;
   surface.height_m = m.published.ground_m;
-  const int i = m.IndexAt(p_map.x(), p_map.y());
+  const int i = m.IndexAt(p_odom.x(), p_odom.y());
   if (i < 0) return surface;
   const int row = i / m.image.side, col = i % m.image.side;
   const terrain::PlaneFits& planes = m.image.planes;

@@ -1,8 +1,9 @@
 // Robot-centric elevation map from LiDAR spins and depth images, and the traversability that follows from it.
 //
-// Frame: map (z up). The window moves with the robot; a cell keeps up to four layers of returns (mean,
-// lowest, highest, support) and counts the rays that crossed the ground's height without meeting it, so that
-// a grating is not read as the floor below, an overhang is not read as ground, and a hole is known as one.
+// Frame: odometry (z up), in which nothing jumps; PosedGround shows it in the map. The window moves with the
+// robot; a cell keeps up to four layers of returns (mean, lowest, highest, support) and counts the rays that
+// crossed the ground's height without meeting it, so that a grating is not read as the floor below, an
+// overhang is not read as ground, and a hole is known as one.
 //
 // Events and Refresh() are taken from one thread at a time; queries read what Publish() last put up, which
 // Refresh() does not touch, so that they may go on beside it on any number of threads.
@@ -39,8 +40,8 @@ class ElevationMap : public core::SensorSink, public core::TerrainView, public T
   ElevationMap(const TerrainParams& params, const robots::RobotSpec& robot);
   ~ElevationMap() override;
 
-  /// The robot stands at `T_map_base` on solid ground: the blind footprint starts as that ground.
-  void InitialiseUnderRobot(const core::Pose& T_map_base);
+  /// The robot stands at `T_odom_base` on solid ground: the blind footprint starts as that ground.
+  void InitialiseUnderRobot(const core::Pose& T_odom_base);
 
   void OnState(const core::StateEvent& event) override;
   void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override;
@@ -54,14 +55,14 @@ class ElevationMap : public core::SensorSink, public core::TerrainView, public T
   /// Both: call before querying after new events.
   void Update();
 
-  Ground At(double x_map, double y_map) const override;
+  Ground At(double x_odom, double y_odom) const override;
 
   using Surface = TraversableGround::Surface;
-  double Traversability(const core::Vec2& p_map) const override;
-  GroundKind KindAt(const core::Vec2& p_map) const override;
-  bool FootprintFree(const core::Vec2& p_map, double yaw_rad) const override;
-  bool CircleFree(const core::Vec2& p_map) const override;
-  Surface SurfaceAt(const core::Vec2& p_map) const override;
+  double Traversability(const core::Vec2& p_odom) const override;
+  GroundKind KindAt(const core::Vec2& p_odom) const override;
+  bool FootprintFree(const core::Vec2& p_odom, double yaw_rad) const override;
+  bool CircleFree(const core::Vec2& p_odom) const override;
+  Surface SurfaceAt(const core::Vec2& p_odom) const override;
   core::Box3 Window() const override;
 
   /// For pictures and logs: a row-major grid over Window(), row = y, height NaN where unknown.

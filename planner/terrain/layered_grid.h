@@ -1,5 +1,5 @@
 // The rolling store: a square of cells that moves with the robot in fixed memory, each with a few layers of
-// returns. Cell (ix, iy) covers [ix, ix + 1) x [iy, iy + 1) times cell_m in the map frame, wherever the
+// returns. Cell (ix, iy) covers [ix, ix + 1) x [iy, iy + 1) times cell_m in the odometry frame, wherever the
 // window is.
 #pragma once
 

@@ -42,10 +42,10 @@ struct PoseF {
 
 }  // namespace
 
-void RayIngest::AddReturn(const core::Vec3f& p_map, float variance_m2) {
-  if (!(p_map.z() > ground_m_ - kKeepBelow_m && p_map.z() < ground_m_ + kKeepAbove_m)) return;
-  const int ix = grid_.IndexOf(p_map.x()), iy = grid_.IndexOf(p_map.y());
-  if (grid_.Contains(ix, iy)) grid_.AddHeight(grid_.Slot(ix, iy), p_map.z(), variance_m2);
+void RayIngest::AddReturn(const core::Vec3f& p_odom, float variance_m2) {
+  if (!(p_odom.z() > ground_m_ - kKeepBelow_m && p_odom.z() < ground_m_ + kKeepAbove_m)) return;
+  const int ix = grid_.IndexOf(p_odom.x()), iy = grid_.IndexOf(p_odom.y());
+  if (grid_.Contains(ix, iy)) grid_.AddHeight(grid_.Slot(ix, iy), p_odom.z(), variance_m2);
 }
 
 void RayIngest::AddClearRay(const core::Vec3f& origin, const core::Vec3f& direction, float clear_m) {
@@ -67,7 +67,7 @@ void RayIngest::AddClearRay(const core::Vec3f& origin, const core::Vec3f& direct
   if (origin.z() + direction.z() * clear_m < expected - kClearDrop_m) grid_.AddCrossing(slot);
 }
 
-void RayIngest::AddSpin(const core::SpinEvent& spin, const core::Pose& T_map_odom) {
+void RayIngest::AddSpin(const core::SpinEvent& spin) {
   const core::LidarScan& scan = spin.scan;
   if (spin.T_odom_lidar.empty()) return;
   const int column_stride = std::max(1, scan.columns / kHeadroomAzimuths);
@@ -83,7 +83,7 @@ void RayIngest::AddSpin(const core::SpinEvent& spin, const core::Pose& T_map_odo
       const double time = static_cast<double>(scan.time_s[i]);
       if (!(std::abs(time - pose_time) <= kSamePose_s)) {
         pose_time = time;
-        T = PoseF(T_map_odom * spin.T_odom_lidar.At(scan.stamp_s + time));
+        T = PoseF(spin.T_odom_lidar.At(scan.stamp_s + time));
       }
       const core::Vec3f direction = T.R * scan.direction_lidar[i];
       const float clear = kind == core::ReturnKind::kHit ? scan.range_m[i] : kTrustedVoid_m;
@@ -95,12 +95,12 @@ void RayIngest::AddSpin(const core::SpinEvent& spin, const core::Pose& T_map_odo
   }
 }
 
-void RayIngest::AddDepth(const core::DepthEvent& event, const core::Pose& T_map_odom,
-                         const core::Pose& T_map_base, const core::Vec2& half_footprint_m) {
+void RayIngest::AddDepth(const core::DepthEvent& event, const core::Pose& T_odom_base,
+                         const core::Vec2& half_footprint_m) {
   const core::DepthImage& image = event.image;
   if (!(image.focal_px > 0.0)) return;
-  const PoseF T(T_map_odom * event.T_odom_camera);
-  const PoseF T_base_map(T_map_base.inverse());
+  const PoseF T(event.T_odom_camera);
+  const PoseF T_base_odom(T_odom_base.inverse());
   const float inverse_focal = static_cast<float>(1.0 / image.focal_px);
   const Eigen::Vector2f half = (half_footprint_m + core::Vec2::Constant(0.05)).cast<float>();
   for (int v = 0; v < image.height; v += kDepthStride) {
@@ -112,23 +112,23 @@ void RayIngest::AddDepth(const core::DepthEvent& event, const core::Pose& T_map_
           (static_cast<float>(u) + 0.5f - 0.5f * static_cast<float>(image.width)) * inverse_focal,
           (static_cast<float>(v) + 0.5f - 0.5f * static_cast<float>(image.height)) * inverse_focal, 1.0f);
       const core::Vec3f reach = T.R * (depth * ray);
-      const core::Vec3f p_map = T.t + reach, p_base = T_base_map.R * p_map + T_base_map.t;
-      const bool on_robot =
-          std::abs(p_base.x()) < half.x() && std::abs(p_base.y()) < half.y() && p_map.z() > ground_m_ + 0.05f;
+      const core::Vec3f p_odom = T.t + reach, p_base = T_base_odom.R * p_odom + T_base_odom.t;
+      const bool on_robot = std::abs(p_base.x()) < half.x() && std::abs(p_base.y()) < half.y() &&
+                            p_odom.z() > ground_m_ + 0.05f;
       if (on_robot) continue;
       const float length = reach.norm();
       AddClearRay(T.t, reach / length, length);
-      AddReturn(p_map, DepthVariance(depth));
+      AddReturn(p_odom, DepthVariance(depth));
     }
   }
 }
 
-void RayIngest::AddFoot(const core::Vec3& p_map, double sigma_m) {
+void RayIngest::AddFoot(const core::Vec3& p_odom, double sigma_m) {
   const float variance = static_cast<float>(sigma_m * sigma_m);
-  const int ix = grid_.IndexOf(p_map.x()), iy = grid_.IndexOf(p_map.y());
+  const int ix = grid_.IndexOf(p_odom.x()), iy = grid_.IndexOf(p_odom.y());
   constexpr int kReturns = 2;  // enough to count as support by itself
   if (grid_.Contains(ix, iy))
-    grid_.AddHeight(grid_.Slot(ix, iy), static_cast<float>(p_map.z()), variance, kReturns);
+    grid_.AddHeight(grid_.Slot(ix, iy), static_cast<float>(p_odom.z()), variance, kReturns);
 }
 
 }  // namespace atlas::planner::terrain

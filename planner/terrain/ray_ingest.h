@@ -18,15 +18,15 @@ class RayIngest {
   float ground_m() const { return ground_m_; }
 
   /// Takes every ray from the LiDAR's pose at the ray's own time.
-  void AddSpin(const core::SpinEvent& spin, const core::Pose& T_map_odom);
+  void AddSpin(const core::SpinEvent& spin);
   /// Takes a share of the pixels; those on the robot itself (its legs, seen from its own camera) are left
   /// out.
-  void AddDepth(const core::DepthEvent& event, const core::Pose& T_map_odom, const core::Pose& T_map_base,
+  void AddDepth(const core::DepthEvent& event, const core::Pose& T_odom_base,
                 const core::Vec2& half_footprint_m);
-  void AddFoot(const core::Vec3& p_map, double sigma_m);
+  void AddFoot(const core::Vec3& p_odom, double sigma_m);
 
  private:
-  void AddReturn(const core::Vec3f& p_map, float variance_m2);
+  void AddReturn(const core::Vec3f& p_odom, float variance_m2);
   /// The ray is clear from `origin` for `clear_m` along `direction` (unit).
   void AddClearRay(const core::Vec3f& origin, const core::Vec3f& direction, float clear_m);
 

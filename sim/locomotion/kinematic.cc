@@ -34,7 +34,7 @@ class Kinematic : public Locomotion {
   void SetCommand(const VelocityCommand& command) override { command_ = command; }
   void SetRoll(const BodyRoll& roll) override { roll_ = roll; }
   void SetTerrain(GroundSource, const core::TerrainView*) override {}
-  void SetBelief(const core::Pose&) override {}
+  void SetOdometry(const core::Pose&) override {}
   void BeginStep() override {}
   void FinishStep() override {
     MoveBase();

@@ -25,8 +25,8 @@ class Locomotion {
   virtual void SetRoll(const BodyRoll& roll) = 0;
   /// What footholds are chosen on, see TerrainSampler::SetSource.
   virtual void SetTerrain(GroundSource source, const core::TerrainView* view) = 0;
-  /// T_map_base as believed, whenever that changes.
-  virtual void SetBelief(const core::Pose& T_map_base_believed) = 0;
+  /// The odometry's T_odom_base, whenever that changes: where perceived ground is looked up.
+  virtual void SetOdometry(const core::Pose& T_odom_base) = 0;
 
   /// Brings the readable state up to time_s(); then reads, then FinishStep() advances the clock by step_s().
   virtual void BeginStep() = 0;

@@ -22,10 +22,10 @@ TerrainSampler::Sample TerrainSampler::At(double x, double y) const {
 }
 
 TerrainSampler::Sample TerrainSampler::Perceived(double x, double y, double z_plane) const {
-  const core::Vec3 p_believed = T_believed_map_ * core::Vec3(x, y, z_plane);
-  const core::TerrainView::Ground ground = view_->At(p_believed.x(), p_believed.y());
+  const core::Vec3 p_odom = T_odom_map_ * core::Vec3(x, y, z_plane);
+  const core::TerrainView::Ground ground = view_->At(p_odom.x(), p_odom.y());
   if (!ground.known) return {z_plane, false, false};
-  return {z_plane + ground.height_m - p_believed.z(), true, ground.steppable};
+  return {z_plane + ground.height_m - p_odom.z(), true, ground.steppable};
 }
 
 TerrainSampler::Sample TerrainSampler::Truth(double x, double y, double z_plane) const {

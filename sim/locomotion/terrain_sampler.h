@@ -23,8 +23,8 @@ enum class GroundSource {
   kTruth,
 };
 
-/// Reads a perceived map where the robot believes to be, or the true ground. Where neither knows, it falls
-/// back to the plane of the last footholds.
+/// Reads a perceived map where the odometry believes the robot to be, or the true ground. Where neither
+/// knows, it falls back to the plane of the last footholds.
 class TerrainSampler {
  public:
   using TrueGround = std::function<std::optional<double>(const core::Vec3&)>;
@@ -35,8 +35,8 @@ class TerrainSampler {
     source_ = source;
     view_ = view;
   }
-  /// The true map frame as the robot believes it to lie: T_map_base_believed * T_map_base_true^-1.
-  void SetBelief(const core::Pose& T_believed_map) { T_believed_map_ = T_believed_map; }
+  /// From where things truly are to where odometry has them: T_odom_base * T_map_base^-1.
+  void SetOdometry(const core::Pose& T_odom_map) { T_odom_map_ = T_odom_map; }
   void SetPlane(const GroundPlane& plane) { plane_ = plane; }
   const GroundPlane& plane() const { return plane_; }
 
@@ -54,7 +54,7 @@ class TerrainSampler {
   TrueGround true_ground_;
   GroundSource source_ = GroundSource::kPlane;
   const core::TerrainView* view_ = nullptr;
-  core::Pose T_believed_map_ = core::Pose::Identity();
+  core::Pose T_odom_map_ = core::Pose::Identity();
   GroundPlane plane_;
 };
 

@@ -29,8 +29,8 @@ class Trot : public Locomotion {
   void SetTerrain(GroundSource source, const core::TerrainView* view) override {
     terrain_.SetSource(source, view);
   }
-  void SetBelief(const core::Pose& T_map_base_believed) override {
-    terrain_.SetBelief(T_map_base_believed * world_.T_map_base().inverse());
+  void SetOdometry(const core::Pose& T_odom_base) override {
+    terrain_.SetOdometry(T_odom_base * world_.T_map_base().inverse());
   }
 
   void BeginStep() override { world_.BeginStep(); }

@@ -78,7 +78,6 @@ class TerrainSensors {
       : world_(*world), rng_(seed), model_(core::FindLidarModel("vlp16")) {}
 
   double range_sigma_m = 0.01;
-  double localisation_sigma_m = 0.005;
   double lidar_above_base_m = 0.25;
   int column_stride = 1;  ///< every n-th firing only, for tests that need less
 
@@ -117,14 +116,11 @@ class TerrainSensors {
     return event;
   }
 
-  /// Standing upright at `T_map_base`, all feet down; localisation jitters anew with each state.
+  /// Standing upright at `T_map_base`, all feet down.
   core::StateEvent State(double time_s, const core::Pose& T_map_base, bool feet = true) {
     core::StateEvent state;
     state.time_s = time_s;
     state.T_odom_base = T_map_base;
-    for (int axis = 0; axis < 3; ++axis) {
-      state.T_map_odom.translation()[axis] = localisation_sigma_m * rng_.Normal();
-    }
     for (int foot = 0; foot < 4; ++foot) {
       const core::Vec3 p_base(foot < 2 ? 0.34 : -0.34, foot % 2 == 0 ? 0.235 : -0.235, -0.44);
       state.foot_odom[foot] = T_map_base * p_base;

@@ -17,28 +17,41 @@ namespace {
 namespace fs = std::filesystem;
 using core::Vec2;
 using planner::GroundKind;
-using Grid = planner::ElevationMap::Grid;
 
 /// Widths below a cell's: nothing is narrow or tight.
 constexpr double kThin_m = 0.01;
 
 /// Rows from the least y up, a letter a cell: . unknown, f free, o obstacle, d drop, c cut off.
-Grid GridOf(const Vec2& origin, double cell_m, const std::vector<std::string>& rows) {
-  const std::map<char, GroundKind> kinds = {{'.', GroundKind::kUnknown},
-                                            {'f', GroundKind::kFree},
-                                            {'o', GroundKind::kObstacle},
-                                            {'d', GroundKind::kDrop},
-                                            {'c', GroundKind::kCutOff}};
-  Grid grid;
-  grid.rows = static_cast<int>(rows.size());
-  grid.cols = static_cast<int>(rows.front().size());
-  grid.cell_m = cell_m;
-  grid.origin = origin;
-  for (const std::string& row : rows) {
-    for (const char cell : row) grid.kind.push_back(kinds.at(cell));
+class Patch final : public planner::TraversableGround {
+ public:
+  Patch(const Vec2& origin, double cell_m, std::vector<std::string> rows)
+      : origin_(origin), cell_m_(cell_m), rows_(std::move(rows)) {}
+
+  GroundKind KindAt(const Vec2& p_map) const override {
+    const std::map<char, GroundKind> kinds = {{'.', GroundKind::kUnknown},
+                                              {'f', GroundKind::kFree},
+                                              {'o', GroundKind::kObstacle},
+                                              {'d', GroundKind::kDrop},
+                                              {'c', GroundKind::kCutOff}};
+    const Vec2 cell = (p_map - origin_) / cell_m_;
+    return kinds.at(
+        rows_.at(static_cast<size_t>(std::floor(cell.y()))).at(static_cast<size_t>(std::floor(cell.x()))));
   }
-  return grid;
-}
+  core::Box3 Window() const override {
+    const Vec2 size =
+        cell_m_ * Vec2(static_cast<double>(rows_.front().size()), static_cast<double>(rows_.size()));
+    return {{origin_.x(), origin_.y(), -1.0}, {origin_.x() + size.x(), origin_.y() + size.y(), 1.0}};
+  }
+  double Traversability(const Vec2&) const override { return 0.0; }
+  bool FootprintFree(const Vec2&, double) const override { return false; }
+  bool CircleFree(const Vec2&) const override { return false; }
+  Surface SurfaceAt(const Vec2&) const override { return {}; }
+
+ private:
+  Vec2 origin_;
+  double cell_m_;
+  std::vector<std::string> rows_;
+};
 
 /// The image in the same letters; t tight, n narrow.
 std::vector<std::string> RowsOf(const GroundImage& image) {
@@ -72,10 +85,10 @@ class GroundPlanFiles : public testing::Test {
 };
 
 TEST(GroundPlan, ItGrowsWithTheWindowAndPlacesStayWhereTheyAre) {
-  GroundPlan plan(kThin_m, kThin_m);
-  plan.Learn(GridOf({1.0, 2.0}, 0.5, {"fo", "df"}));
-  plan.Learn(GridOf({0.5, 1.5}, 0.5, {"o"}));       // below and to the left
-  plan.Learn(GridOf({2.0, 3.0}, 0.5, {"d", "o"}));  // above and to the right
+  GroundPlan plan(0.5, kThin_m, kThin_m);
+  plan.Learn(Patch({1.0, 2.0}, 0.5, {"fo", "df"}));
+  plan.Learn(Patch({0.5, 1.5}, 0.5, {"o"}));       // below and to the left
+  plan.Learn(Patch({2.0, 3.0}, 0.5, {"d", "o"}));  // above and to the right
   const GroundImage image = plan.Image();
   EXPECT_EQ(image.origin, Vec2(0.5, 1.5));
   EXPECT_EQ(image.cell_m, 0.5);
@@ -87,9 +100,9 @@ TEST(GroundPlan, ItGrowsWithTheWindowAndPlacesStayWhereTheyAre) {
 }
 
 TEST(GroundPlan, LaterKnowledgeWinsAndIgnoranceDoesNot) {
-  GroundPlan plan(kThin_m, kThin_m);
-  plan.Learn(GridOf({0, 0}, 0.1, {"ffffooo.c"}));
-  plan.Learn(GridOf({0, 0}, 0.1, {".foc.fcff"}));
+  GroundPlan plan(0.1, kThin_m, kThin_m);
+  plan.Learn(Patch({0, 0}, 0.1, {"ffffooo.c"}));
+  plan.Learn(Patch({0, 0}, 0.1, {".foc.fcff"}));
   EXPECT_EQ(RowsOf(plan.Image()), std::vector<std::string>{"ffofofcff"});
 }
 
@@ -100,8 +113,8 @@ TEST(GroundPlan, NarrowAndTightFollowFromTheDistanceToWhatIsNotFree) {
   for (int i = 0; i < 25; ++i) {
     rows[static_cast<size_t>(rng.UniformInt(30))][static_cast<size_t>(rng.UniformInt(40))] = ".odc"[i % 4];
   }
-  GroundPlan plan(half_width_m, turning_radius_m);
-  plan.Learn(GridOf({-3, 7}, cell_m, rows));
+  GroundPlan plan(cell_m, half_width_m, turning_radius_m);
+  plan.Learn(Patch({-3, 7}, cell_m, rows));
   std::vector<std::string> expected = rows;
   std::map<char, int> count;
   for (int r = 0; r < 30; ++r) {
@@ -124,8 +137,8 @@ TEST(GroundPlan, NarrowAndTightFollowFromTheDistanceToWhatIsNotFree) {
 }
 
 TEST_F(GroundPlanFiles, TheImageIsRawBytesFromTheTopWithALegend) {
-  GroundPlan plan(kThin_m, kThin_m);
-  plan.Learn(GridOf({-1.0, 0.5}, 0.25, {"fo.", "dcf"}));
+  GroundPlan plan(0.25, kThin_m, kThin_m);
+  plan.Learn(Patch({-1.0, 0.5}, 0.25, {"fo.", "dcf"}));
   plan.Write(folder_);
   const std::string expected = std::string("P5\n3 2\n255\n") + '\6' + '\10' + '\1' + '\1' + '\2' + '\0';
   EXPECT_EQ(core::ReadFile(folder_ / "terrain.pgm"), expected);
@@ -142,8 +155,8 @@ TEST_F(GroundPlanFiles, TheImageIsRawBytesFromTheTopWithALegend) {
 }
 
 TEST_F(GroundPlanFiles, WhatIsWrittenIsReadBack) {
-  GroundPlan plan(0.3, 0.6);
-  plan.Learn(GridOf({-1.2, 0.4}, 0.2, {"fffffffo", "ffffffdc", "ffffffff", ".fffffff"}));
+  GroundPlan plan(0.2, 0.3, 0.6);
+  plan.Learn(Patch({-1.2, 0.4}, 0.2, {"fffffffo", "ffffffdc", "ffffffff", ".fffffff"}));
   plan.Write(folder_);
   const GroundImage written = plan.Image(), read = LoadGroundImage(folder_);
   EXPECT_EQ(RowsOf(read), RowsOf(written));

@@ -69,7 +69,6 @@ TEST(TerrainMap, RollingSpinIsUndistortedByEachRaysOwnTime) {
   PatchWorld world = FlatWorld();
   TerrainSensors sensors(&world, 2);
   sensors.range_sigma_m = 0.0;
-  sensors.localisation_sigma_m = 0.0;
   const core::Pose T = PoseFromXyzYaw({0, 0, kStance}, 0);
   const auto rolling = [&](double t) {
     return core::Pose(T *
@@ -161,7 +160,6 @@ TEST(TerrainMap, StartsAsSolidGroundUnderTheRobotAndUnknownBeyond) {
 TEST(TerrainMap, FeetMeasureTheGroundTheyStandOn) {
   PatchWorld world;
   TerrainSensors sensors(&world, 5);
-  sensors.localisation_sigma_m = 0.0;
   ElevationMap map(TerrainParams{}, robots::RobotSpec{});
   map.InitialiseUnderRobot(PoseFromXyzYaw({0, 0, kStance}, 0));
   map.OnState(sensors.State(0.0, PoseFromXyzYaw({0, 0, kStance + 0.05}, 0)));

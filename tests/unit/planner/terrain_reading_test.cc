@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "planner/terrain/posed_ground.h"
 #include "planner/terrain/traversability.h"
 #include "tests/support/placed_spins.h"
 #include "tests/unit/planner/terrain_fixture.h"
@@ -25,7 +26,7 @@ TEST(TerrainReading, HeightsBetweenCentresRiseAsTheGroundDoes) {
   const Vec3 v = Vec3(-slope.x(), -slope.y(), 1).cross(u).normalized() * 60.0;
   world.patches.push_back({-0.5 * (u + v), u, v});
   TerrainSensors sensors(&world, 7);
-  sensors.range_sigma_m = sensors.localisation_sigma_m = 0.0;
+  sensors.range_sigma_m = 0.0;
   ElevationMap map(TerrainParams{}, robots::RobotSpec{});
   sensors.Sweep(PoseFromXyzYaw({0, 0, kStance}, 0.3), Radians(40), 30, &map);
   map.Update();
@@ -138,40 +139,77 @@ TEST(TerrainReading, TheDefaultStepIsOneThatTheRobotCanClimb) {
   EXPECT_LE(TerrainParams{}.critical_step_m, robots::RobotSpec{}.max_step_m);
 }
 
-/// Odometry that localisation moves far: what a sensor sees at (x, y, z) of odom lies here in the map.
-const core::Pose kMapOdom = PoseFromXyzYaw({3.0, 2.0, 0.5}, 0.6);
-
-core::StateEvent MovedState(TerrainSensors* sensors, const core::Pose& T_odom_base, bool feet) {
-  core::StateEvent state = sensors->State(0.0, T_odom_base, feet);
-  state.T_map_odom = kMapOdom;
-  return state;
-}
-
-TEST(TerrainReading, SpinsDepthImagesAndFeetAreMovedByTheLocalisation) {
-  PatchWorld world = FlatWorld();
-  const core::Pose T_odom_base = PoseFromXyzYaw({0, 0, kStance}, 0);
+TEST(TerrainReading, SpinsDepthImagesAndFeetLieWhereOdometryHasThem) {
+  // A floor at the robot's soles, wherever odometry has drifted to.
+  PatchWorld world;
+  world.AddRectangle(-20, -20, 20, 20, 0.5);
+  const core::Pose T_odom_base = PoseFromXyzYaw({3.0, 2.0, 0.5 + kStance}, 0.6);
   for (const std::string sensor : {"spin", "depth", "feet"}) {
     TerrainSensors sensors(&world, 4);
     ElevationMap map(TerrainParams{}, robots::RobotSpec{});
-    map.OnState(MovedState(&sensors, T_odom_base, sensor == "feet"));
+    map.OnState(sensors.State(0.0, T_odom_base, sensor == "feet"));
     if (sensor == "spin") map.OnSpin(tests::Shared(sensors.Spin(0.0, [&](double) { return T_odom_base; })));
     if (sensor == "depth") map.OnDepth(sensors.Depth(T_odom_base, 0.4, Radians(30), 0));
     map.Update();
     int known = 0;
     for (double x = 0.3; x < 4.0; x += 0.02) {
       for (const double y : {-0.235, -0.1, 0.0, 0.1, 0.235}) {
-        const Vec3 p_map = kMapOdom * Vec3(x, y, 0.0);
-        const auto ground = map.At(p_map.x(), p_map.y());
+        const Vec3 p_odom = T_odom_base * Vec3(x, y, 0.0);
+        const auto ground = map.At(p_odom.x(), p_odom.y());
         if (!ground.known) continue;
         ++known;
         EXPECT_NEAR(ground.height_m, 0.5, 0.03) << sensor;
       }
     }
     EXPECT_GT(known, sensor == "feet" ? 1 : 20) << sensor;
-    const Vec3 centre = kMapOdom * T_odom_base.translation();
-    EXPECT_NEAR(map.Window().Center().x(), centre.x(), 1e-9) << sensor;
-    EXPECT_NEAR(map.Window().Center().y(), centre.y(), 1e-9) << sensor;
+    EXPECT_NEAR(map.Window().Center().x(), 3.0, 1e-9) << sensor;
+    EXPECT_NEAR(map.Window().Center().y(), 2.0, 1e-9) << sensor;
   }
+}
+
+/// Ground that is obstacle at x < 1, a slope of so much as y, and narrow along its x axis.
+class Marked final : public TraversableGround {
+ public:
+  double Traversability(const Vec2& p) const override { return p.x(); }
+  GroundKind KindAt(const Vec2& p) const override {
+    return p.x() < 1.0 ? GroundKind::kObstacle : GroundKind::kFree;
+  }
+  bool FootprintFree(const Vec2& p, double yaw_rad) const override {
+    return p.x() >= 1.0 && std::abs(core::WrapAngle(yaw_rad)) < 0.01;
+  }
+  bool CircleFree(const Vec2& p) const override { return p.y() > 2.0; }
+  Surface SurfaceAt(const Vec2& p) const override { return {10.0 * p.x() + p.y(), p.y(), 0.25}; }
+  core::Box3 Window() const override { return {Vec3(-3, -2, -4), Vec3(5, 6, 2.5)}; }
+};
+
+TEST(PosedGround, ShowsInTheMapWhatLiesInOdometry) {
+  const Marked ground;
+  const core::Pose T_map_odom = PoseFromXyzYaw({30.0, -7.0, 1.5}, 0.9);
+  const core::Pose T_odom_base = PoseFromXyzYaw({1.0, 2.0, 0.4}, -0.3);
+  const PosedGround posed(ground, T_map_odom * T_odom_base, T_odom_base);
+  for (const Vec2& p : {Vec2(0.9, 2.5), Vec2(1.1, 1.5), Vec2(4.0, -3.0)}) {
+    const Vec2 p_map = (T_map_odom * Vec3(p.x(), p.y(), 0.0)).head<2>();
+    EXPECT_NEAR(posed.Traversability(p_map), p.x(), 1e-9);
+    EXPECT_EQ(posed.KindAt(p_map), ground.KindAt(p));
+    EXPECT_EQ(posed.CircleFree(p_map), ground.CircleFree(p));
+    EXPECT_EQ(posed.FootprintFree(p_map, 0.9), p.x() >= 1.0);
+    EXPECT_FALSE(posed.FootprintFree(p_map, 0.0));
+    EXPECT_NEAR(posed.SurfaceAt(p_map).height_m, 10.0 * p.x() + p.y() + 1.5, 1e-9);
+    EXPECT_NEAR(posed.SurfaceAt(p_map).slope_rad, p.y(), 1e-9);
+  }
+  const Vec3 centre = T_map_odom * Vec3(1.0, 2.0, -0.75);
+  EXPECT_LT((posed.Window().Center() - centre).norm(), 1e-9);
+  EXPECT_LT((posed.Window().Size() - Vec3(8, 8, 6.5)).norm(), 1e-9);
+}
+
+TEST(PosedGround, ATiltOfTheLocalisationLiftsNothing) {
+  const Marked ground;
+  const core::Pose T_odom_base = PoseFromXyzYaw({50.0, 2.0, 0.4}, 0.0);
+  core::Pose T_map_base = T_odom_base;
+  T_map_base.linear() = core::RotationFromYawPitchRoll(0.0, Radians(2.0), 0.0);
+  const PosedGround posed(ground, T_map_base, T_odom_base);
+  EXPECT_NEAR(posed.SurfaceAt({55.0, 2.0}).height_m, ground.SurfaceAt({55.0, 2.0}).height_m, 1e-9);
+  EXPECT_NEAR(posed.SurfaceAt({50.0, 2.0}).height_m, ground.SurfaceAt({50.0, 2.0}).height_m, 1e-9);
 }
 
 }  // namespace

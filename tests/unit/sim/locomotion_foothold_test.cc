@@ -65,13 +65,13 @@ TEST(Foothold, CleanGroundKeepsTheNominalPlace) {
   EXPECT_EQ(SearchFoothold(terrain, Vec2(1.0, 2.0), 0.5, 1.0).offset.norm(), 0.0);
 }
 
-TEST(Foothold, MapIsReadWhereTheRobotBelievesToBe) {
-  // The robot believes to be 1 m farther along x and 0.2 m higher than it is; the map has a step at x = 3.
+TEST(Foothold, MapIsReadWhereOdometryHasTheRobot) {
+  // Odometry has the robot 1 m farther along x and 0.2 m higher than it is; the map has a step at x = 3.
   const auto height = [](double x, double) { return x > 3.0 ? 0.5 : 0.2; };
   const test::PerceivedTerrain<decltype(height)> map(height, 0.0, 1);
   TerrainSampler terrain({});
   terrain.SetSource(GroundSource::kPerceived, &map);
-  terrain.SetBelief(core::Pose(Eigen::Translation3d(1.0, 0.0, 0.2)));
+  terrain.SetOdometry(core::Pose(Eigen::Translation3d(1.0, 0.0, 0.2)));
   EXPECT_NEAR(terrain.At(1.9, 0.0).z, 0.0, 1e-12);
   EXPECT_NEAR(terrain.At(2.1, 0.0).z, 0.3, 1e-12);
 }
