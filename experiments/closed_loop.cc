@@ -35,14 +35,14 @@ struct Mission {
         film(config, options),
         metrics(config, options, scene, robot),
         simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
-        mapper(mapping::MakeMapper(config.mapper, scene.object_box, Lidar())),
+        region(mapping::RegionOf(config.mapper, scene.object_box)),
+        map(mapping::MakeMap(config.mapper, MapSetup())),
         localiser(MakeLocaliserFor(config, scene, *simulator, rng.Split("sim").Split("odometry"))),
-        cloud(mapping::RegionOf(config.mapper, scene.object_box), config.mapper.integrator.max_range_m,
-              config.mapper.downsample_m),
+        cloud(region, config.mapper.integrator.max_range_m, config.mapper.downsample_m),
         terrain(config.planner.terrain, robot),
         feed({}, Listeners(), &lanes),
-        planner(planner::MakeNbvPlanner(config.planner, RobotModel(), scene.object_box, options.threads,
-                                        rng.Split("planner"))),
+        planner(planner::MakeNbvPlanner(config.planner, RobotModel(), {scene.object_box, region},
+                                        options.threads, rng.Split("planner"))),
         surface(scene.object_box, config.mapper.resolution_m),
         lanes(kTaskLanes, options.threads > 1) {
     terrain.InitialiseUnderRobot(simulator->T_odom_base());
@@ -62,7 +62,7 @@ struct Mission {
   SensorFeed::Listeners Listeners() {
     return {.localiser = localiser.get(),
             .terrain = &terrain,
-            .mapper = mapper.get(),
+            .map = map.get(),
             .cloud = &cloud,
             .on_localised = [this](const Pose& T_map_odom) { simulator->SetLocalisation(T_map_odom); },
             .on_cloud =
@@ -70,6 +70,12 @@ struct Mission {
                   metrics.TakeCloud(returns);
                   returns_map.insert(returns_map.end(), returns.points.begin(), returns.points.end());
                 }};
+  }
+
+  mapping::MapSetup MapSetup() const {
+    return {.lidar = Lidar(),
+            .keep_map = region,
+            .behind_surface = planner::ReadsOf(config.planner).behind_surface};
   }
 
   core::LidarModel Lidar() const {
@@ -100,7 +106,8 @@ struct Mission {
   RunFilm film;
   MissionMetrics metrics;
   std::unique_ptr<sim::Simulator> simulator;
-  std::unique_ptr<mapping::Mapper> mapper;
+  core::Box3 region;  ///< about the object: what the map keeps
+  std::unique_ptr<mapping::Map> map;
   std::unique_ptr<mapping::Localiser> localiser;
   mapping::ScanCloud cloud;
   planner::ElevationMap terrain;
@@ -127,7 +134,7 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
   const sim::MotionStatus stood = m->simulator->Stand(m->config.mission.integration_latency_s);
 
   const SensorFeed::Mapped mapped = m->feed.DrainMap();
-  m->film.ObserveMap(m->mapper->view().OccupiedCenters());
+  m->film.ObserveMap(mapping::OccupiedCenters(*m->map->Snapshot(), m->region));
   const Stopwatch updating;
   m->feed.AdoptTerrain();
   m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
@@ -135,7 +142,7 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
   m->returns_map.clear();
   m->planner->OnSweep(T_map_base, new_surface);
   m->metrics.ObserveMap(mapped.cloud_points, 1e3 * mapped.integration_s, new_surface);
-  m->lanes.Post(kMapLane, [m] { m->metrics.ScoreClouds(*m->mapper); });
+  m->lanes.Post(kMapLane, [m] { m->metrics.ScoreClouds(*m->map); });
   return EndingOf(stood);
 }
 
@@ -143,7 +150,7 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
 planner::NbvDecision PlanNextView(Mission* m) {
   const Stopwatch planning;
   const planner::PosedGround ground = m->Ground();
-  planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), m->mapper->view(), ground);
+  planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), *m->map->Snapshot(), ground);
   m->metrics.timing().nbv_time_s = planning.seconds();
   m->metrics.ObserveGround(ground);
   m->lanes.Drain(kMapLane);
@@ -196,7 +203,7 @@ Ending RunMission(Mission* m) {
 
 void SaveWhatCanBe(Mission* m) {
   try {
-    m->metrics.Save(*m->mapper);
+    m->metrics.Save(*m->map);
   } catch (const std::exception&) {
     // Of two errors the first is told.
   }
@@ -219,7 +226,7 @@ RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& option
     SaveWhatCanBe(&mission);
     throw;  // past the recorder, which says that the run failed
   }
-  mission.metrics.Save(*mission.mapper);
+  mission.metrics.Save(*mission.map);
   const bool interrupted = ending.status == RunStatus::kInterrupted;
   if (!mission.film.Finish(!interrupted)) ending = {RunStatus::kInterrupted, StopReason::kSignal};
   return mission.metrics.Finish(ending.status, ending.reason);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/params.h"
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 #include "mapping/slam/localiser.h"
 #include "planner/nbv_planner.h"
 #include "sim/simulator.h"

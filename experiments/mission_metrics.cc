@@ -135,7 +135,7 @@ void MissionMetrics::TakeCloud(const mapping::ReturnCloud& cloud) {
   scored_.seconds += measuring.seconds();
 }
 
-void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
+void MissionMetrics::ScoreClouds(const mapping::Map& map) {
   const Stopwatch measuring;
   SampleSurroundings();
   meter_->Align();
@@ -148,8 +148,8 @@ void MissionMetrics::ScoreClouds(const mapping::Mapper& mapper) {
   scored_.error = meter_->MeasureCloudError(scene_.object_box);
   scored_.returns = meter_->kept().points.size();
   scored_.T_truth_cloud = meter_->T_truth_cloud_counted();
-  scored_.map_bytes = mapper.MapBytes();
-  if (volume_) scored_.explored_m3 = volume_->ExploredM3(mapper.view());
+  scored_.map_bytes = map.Bytes();
+  if (volume_) scored_.explored_m3 = volume_->ExploredM3(*map.Snapshot());
   scored_.seconds += measuring.seconds();
 }
 
@@ -205,7 +205,7 @@ void MissionMetrics::ObserveWalk(const sim::WalkResult& walk, double wall_s) {
   timing_.walk_wall_s = wall_s;
 }
 
-void MissionMetrics::Save(const mapping::Mapper& mapper) {
+void MissionMetrics::Save(const mapping::Map& map) {
   wall_time_s_ = wall_.seconds();
   RunSummary& summary = *recorder_->mutable_summary();
   if (score_.error.points > 0) {
@@ -230,7 +230,7 @@ void MissionMetrics::Save(const mapping::Mapper& mapper) {
   WriteAlignment(options_.folder / "alignment.txt", score_.T_truth_cloud);
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
                             PartsCsv(truth_, attainable_, score_.covered, score_.covered_outer));
-  mapper.Save(options_.folder);
+  map.Save(options_.folder);
   core::WriteFileAtomically(options_.folder / "log.txt", log_);
 }
 

@@ -12,7 +12,7 @@
 #include "experiments/metrics/ground_plan.h"
 #include "experiments/metrics/run_recorder.h"
 #include "experiments/stopwatch.h"
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 #include "scenes/catalog.h"
 #include "sim/simulator.h"
 
@@ -33,7 +33,7 @@ class MissionMetrics {
 
   void TakeCloud(const mapping::ReturnCloud& cloud);
   /// Scores all clouds so far.
-  void ScoreClouds(const mapping::Mapper& mapper);
+  void ScoreClouds(const mapping::Map& map);
   /// The scan's row takes the score.
   void AdoptScore();
 
@@ -43,7 +43,7 @@ class MissionMetrics {
   void ObserveGround(const planner::TraversableGround& ground_map) { ground_.Learn(ground_map); }
   /// Writes the cloud, the map, log.txt and what else the folder holds, with numbers as of now; the status
   /// still says `interrupted`. @throws InputError when a file cannot be written.
-  void Save(const mapping::Mapper& mapper);
+  void Save(const mapping::Map& map);
   /// The last write of a run: its final status. @pre Save() has returned
   RunSummary Finish(RunStatus status, StopReason reason);
 

@@ -73,7 +73,7 @@ void SensorFeed::OnDepth(const core::DepthEvent& event) {
 
 void SensorFeed::Map(const core::AnchoredSpin& spin, const core::PoseSource& poses) {
   const Stopwatch integrating;
-  to_.mapper->Integrate(spin, poses);
+  to_.map->Integrate(spin, poses);
   const mapping::ReturnCloud cloud = to_.cloud->Add(*spin.spin, spin.T_map_odom(poses));
   mapped_.integration_s += integrating.seconds();
   mapped_.cloud_points += cloud.points.size();

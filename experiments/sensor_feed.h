@@ -13,7 +13,7 @@
 #include "core/sensor_events.h"
 #include "core/task_lanes.h"
 #include "mapping/cloud/scan_cloud.h"
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 #include "mapping/slam/localiser.h"
 #include "planner/terrain/elevation_map.h"
 
@@ -39,7 +39,7 @@ class SensorFeed : public core::SensorSink {
   struct Listeners {
     mapping::Localiser* localiser;
     planner::ElevationMap* terrain;
-    mapping::Mapper* mapper;
+    mapping::Map* map;
     mapping::ScanCloud* cloud;  ///< of all revolutions between two drains; touched by tasks of kMapLane
     std::function<void(const core::Pose& T_map_odom)> on_localised;
     std::function<void(const mapping::ReturnCloud& cloud_map)> on_cloud;  ///< from tasks of kMapLane

@@ -63,12 +63,12 @@ std::vector<double> HeadingsAt(const Vec2& p_map, const core::Box3& box, int hea
 
 class Planner final : public NbvPlanner {
  public:
-  Planner(const NbvParams& params, const RobotModel& robot, const core::Box3& object_box, int threads,
+  Planner(const NbvParams& params, const RobotModel& robot, const ViewTarget& target, int threads,
           const core::Rng& rng)
       : params_(params),
         footprint_{robot.half_width_m, robot.turning_radius_m, params.terrain.edge_clearance_m},
-        object_box_(object_box),
-        evaluator_(robot.sensor, object_box, {GainsAsked(params), params.rays, params.max_range_m}),
+        target_(target),
+        evaluator_(robot.sensor, target, {GainsAsked(params), params.rays, params.max_range_m}),
         threads_(threads),
         rng_(rng.Split("nbv_planner")),
         termination_({params.stop_ratio, params.flat_share, params.stop_rounds, params.flat_rounds}) {
@@ -81,27 +81,27 @@ class Planner final : public NbvPlanner {
   void OnSweep(const Pose& T_map_base, size_t new_surface) override {
     memory_.RecordSweep(T_map_base, new_surface);
   }
-  NbvDecision Plan(const Pose& T_map_base, const mapping::OccupancyView& map,
+  NbvDecision Plan(const Pose& T_map_base, const mapping::MapView& map,
                    const TraversableGround& terrain) override;
 
  private:
   CandidateTree PickPlaces(const Walkable& walkable, const core::Rng& rng);
-  void EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable, const CandidateTree& tree,
+  void EvaluateGains(const mapping::MapView& map, const Walkable& walkable, const CandidateTree& tree,
                      NbvDecision* decision) const;
   void ValueViews(NbvDecision* decision);
-  void ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
+  void ChargeCosts(const Pose& T_map_base, const mapping::MapView& map, const Walkable& walkable,
                    const CandidateTree& tree, NbvDecision* decision) const;
   std::vector<int> RankViews(NbvDecision* decision) const;
   int NearerToObject(double best_utility, const NbvDecision& decision) const;
   NbvOutcome EndOf(double best_utility) const;
-  bool JudgeBlockedWays(const mapping::OccupancyView& map, NbvDecision* decision);
+  bool JudgeBlockedWays(const mapping::MapView& map, NbvDecision* decision);
   void Recover(const Pose& T_map_base, const TraversableGround& ground, NbvDecision* decision);
   void FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
                NbvDecision* decision) const;
 
   NbvParams params_;
   Footprint footprint_;
-  core::Box3 object_box_;
+  ViewTarget target_;
   ViewEvaluator evaluator_;
   TraversalModel traversal_;
   int threads_;
@@ -115,7 +115,7 @@ class Planner final : public NbvPlanner {
   int plans_ = 0;
 };
 
-NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& map,
+NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::MapView& map,
                           const TraversableGround& terrain) {
   const core::Rng rng = rng_.Split("plan" + std::to_string(plans_++));
   const Walkable walkable(terrain, T_map_base.translation().head<2>(), params_.window_m);
@@ -163,7 +163,7 @@ NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::OccupancyView& 
 /// -1.
 int Planner::NearerToObject(double best_utility, const NbvDecision& decision) const {
   if (best_utility > 0.0 || !termination_.NothingWasPromised()) return -1;
-  return NearestToObject(decision.candidates, memory_.visited(), object_box_, params_.max_range_m);
+  return NearestToObject(decision.candidates, memory_.visited(), target_.object_box, params_.max_range_m);
 }
 
 /// How the mission ends with this plan; kView where it goes on.
@@ -173,18 +173,18 @@ NbvOutcome Planner::EndOf(double best_utility) const {
                                            : termination_.GainExhausted() || nothing_left;
   const bool flat = !IsThesis(params_) && termination_.SurfaceFlat();
   if (!exhausted && !flat) return NbvOutcome::kView;
-  const bool seen =
-      memory_.surface_seen() > 0.0 && DistanceToObject(memory_.visited(), object_box_) <= params_.max_range_m;
+  const bool seen = memory_.surface_seen() > 0.0 &&
+                    DistanceToObject(memory_.visited(), target_.object_box) <= params_.max_range_m;
   if (!seen) return NbvOutcome::kOutOfReach;
   return exhausted ? NbvOutcome::kGainExhausted : NbvOutcome::kSurfaceFlat;
 }
 
 /// Predicts the views beyond ways that are too narrow, as if the robot stood there.
 /// @return whether one promises what would be worth going for.
-bool Planner::JudgeBlockedWays(const mapping::OccupancyView& map, NbvDecision* decision) {
+bool Planner::JudgeBlockedWays(const mapping::MapView& map, NbvDecision* decision) {
   std::vector<ViewNode> nodes;
   for (const Vec3& p : blocked_ways_.PlacesBeyond()) {
-    nodes.push_back({p, HeadingsAt(p.head<2>(), object_box_, params_.headings)});
+    nodes.push_back({p, HeadingsAt(p.head<2>(), target_.object_box, params_.headings)});
   }
   size_t rays = 0;
   std::vector<double> shares;
@@ -217,14 +217,14 @@ CandidateTree Planner::PickPlaces(const Walkable& walkable, const core::Rng& rng
   return RrtCandidates(walkable, params_.nodes, params_.rrt_step_m, rng.Split("rrt"));
 }
 
-void Planner::EvaluateGains(const mapping::OccupancyView& map, const Walkable& walkable,
-                            const CandidateTree& tree, NbvDecision* decision) const {
+void Planner::EvaluateGains(const mapping::MapView& map, const Walkable& walkable, const CandidateTree& tree,
+                            NbvDecision* decision) const {
   const std::vector<int> places = SpreadOut(tree.nodes, walkable.start(), params_.nodes);
   std::vector<ViewNode> nodes;
   for (const int place : places) {
     const CandidateNode& node = tree.nodes[static_cast<size_t>(place)];
     const Vec2& p = node.p_map;
-    nodes.push_back({Vec3(p.x(), p.y(), node.ground_m), HeadingsAt(p, object_box_, params_.headings)});
+    nodes.push_back({Vec3(p.x(), p.y(), node.ground_m), HeadingsAt(p, target_.object_box, params_.headings)});
   }
   const auto gains = evaluator_.Evaluate(map, nodes, threads_, &decision->rays_traced);
   for (size_t i = 0; i < nodes.size(); ++i) {
@@ -267,11 +267,11 @@ void Planner::ValueViews(NbvDecision* decision) {
   }
 }
 
-void Planner::ChargeCosts(const Pose& T_map_base, const mapping::OccupancyView& map, const Walkable& walkable,
+void Planner::ChargeCosts(const Pose& T_map_base, const mapping::MapView& map, const Walkable& walkable,
                           const CandidateTree& tree, NbvDecision* decision) const {
   const double yaw = core::YawOf(T_map_base.linear());
   const double ground_m = walkable.ground().SurfaceAt(walkable.start()).height_m;
-  const ObjectDistance object(map, ground_m);
+  const ObjectDistance object(map, target_.seen_box, ground_m);
   for (Candidate& c : decision->candidates) {
     if (params_.visited_cost) {
       c.visited_cost =
@@ -385,12 +385,24 @@ NbvParams DefaultParams(const std::string& name) {
   throw core::InputError(core::UnknownName("planner", name, names));
 }
 
+GainReads ReadsOf(const NbvParams& params) {
+  GainReads all;
+  if (params.name == "route") return all;
+  for (const std::string& name : GainsAsked(params)) {
+    const GainReads& reads = FindGain(name).reads;
+    all.each_free |= reads.each_free;
+    all.each_unmeasured |= reads.each_unmeasured;
+    all.behind_surface |= reads.behind_surface;
+  }
+  return all;
+}
+
 std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const RobotModel& robot,
-                                           const core::Box3& object_box, int threads, const core::Rng& rng) {
+                                           const ViewTarget& target, int threads, const core::Rng& rng) {
   DefaultParams(params.name);  // throws for an unknown name
   if (params.name == "route") return MakeRoutePlanner(params.route);
   FindGain(params.gain);
-  return std::make_unique<Planner>(params, robot, object_box, threads, rng);
+  return std::make_unique<Planner>(params, robot, target, threads, rng);
 }
 
 }  // namespace atlas::planner

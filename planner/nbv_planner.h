@@ -9,8 +9,8 @@
 #include "core/lidar_model.h"
 #include "core/params.h"
 #include "core/rng.h"
-#include "mapping/occupancy_view.h"
-#include "planner/gain/sweep_view.h"
+#include "mapping/map_view.h"
+#include "planner/gain/view_evaluator.h"
 #include "planner/global/blocked_ways.h"
 #include "planner/terrain/elevation_map.h"
 #include "planner/traversable_ground.h"
@@ -128,7 +128,7 @@ class NbvPlanner {
   /// `new_surface` = voxels of the object that returned for the first time (SurfaceTally), so that views that
   /// promise and do not deliver are blacklisted.
   virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
-  virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::OccupancyView& map,
+  virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::MapView& map,
                            const TraversableGround& terrain) = 0;
 };
 
@@ -142,6 +142,9 @@ const std::vector<PlannerEntry>& PlannerCatalog();
 /// NbvParams holds. @throws InputError for an unknown name.
 NbvParams DefaultParams(const std::string& name);
 
+/// What the planner's gains read of the map.
+GainReads ReadsOf(const NbvParams& params);
+
 /// What the planner expects of the robot.
 struct RobotModel {
   SweepSensorModel sensor;
@@ -151,6 +154,6 @@ struct RobotModel {
 
 /// @throws InputError for an unknown planner or gain.
 std::unique_ptr<NbvPlanner> MakeNbvPlanner(const NbvParams& params, const RobotModel& robot,
-                                           const core::Box3& object_box, int threads, const core::Rng& rng);
+                                           const ViewTarget& target, int threads, const core::Rng& rng);
 
 }  // namespace atlas::planner

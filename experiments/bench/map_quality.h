@@ -9,7 +9,7 @@
 
 #include "core/rng.h"
 #include "experiments/bench/bench_dataset.h"
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 #include "sim/sensors/raycaster.h"
 
 namespace atlas::experiments {

@@ -10,7 +10,7 @@
 #include "experiments/experiment_config.h"
 #include "experiments/metrics/run_summary.h"
 #include "experiments/sweep/sweep_spec.h"
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 #include "planner/gain/gain.h"
 #include "planner/nbv_planner.h"
 #include "robots/robot_spec.h"

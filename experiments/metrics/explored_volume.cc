@@ -96,7 +96,7 @@ ExploredVolume::ExploredVolume(const scenes::SceneSpec& scene, const robots::Rob
   }
 }
 
-double ExploredVolume::ExploredM3(const mapping::OccupancyView& map) const {
+double ExploredVolume::ExploredM3(const mapping::MapView& map) const {
   const auto known = std::count_if(centers_.begin(), centers_.end(), [&](const Vec3f& p) {
     return map.StateAt(p.cast<double>()) != mapping::CellState::kUnknown;
   });

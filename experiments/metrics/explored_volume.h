@@ -11,7 +11,7 @@
 
 #include "core/lidar_model.h"
 #include "experiments/metrics/attainable.h"
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 
 namespace atlas::experiments {
 
@@ -33,7 +33,7 @@ class ExploredVolume {
                  const AttainableProgress& progress);
 
   /// Known attainable volume, cubic metres.
-  double ExploredM3(const mapping::OccupancyView& map) const;
+  double ExploredM3(const mapping::MapView& map) const;
   double attainable_m3() const { return cell_m3_ * static_cast<double>(centers_.size()); }
 
  private:

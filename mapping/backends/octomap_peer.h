@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/geometry.h"
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 
 namespace atlas::mapping {
 

@@ -1,19 +1,17 @@
 #include "mapping/backends/octomap_view.h"
 
-#include <octomap/OcTree.h>
-
 #include <bit>
+
+#include "mapping/octree/voxel_ray.h"
 
 namespace atlas::mapping {
 namespace {
 
 using core::Vec3;
-using core::Vec3f;
 using octomap::OcTreeKey;
 using octomap::OcTreeNode;
 
 constexpr unsigned kTreeDepth = 16;
-constexpr int kGreatestBehind = 31;
 
 /// Finds leaves of voxels that lie near each other, as along a ray: a search goes up only to the node that
 /// holds the last voxel and the next one.
@@ -23,7 +21,10 @@ class LeafCursor {
 
   /// The leaf that holds the voxel, null where there is none.
   const OcTreeNode* At(const OcTreeKey& key) {
-    if (path_[0] == nullptr) return nullptr;
+    if (path_[0] == nullptr) {
+      height_ = kTreeDepth;
+      return nullptr;
+    }
     const unsigned differing = (key[0] ^ key_[0]) | (key[1] ^ key_[1]) | (key[2] ^ key_[2]);
     if (started_ && differing >> height_ == 0) return leaf_;
     Descend(key, started_ ? static_cast<unsigned>(std::bit_width(differing)) : kTreeDepth);
@@ -31,6 +32,9 @@ class LeafCursor {
     started_ = true;
     return leaf_;
   }
+
+  /// The last answer holds for the aligned cube of 2^height voxels a side.
+  int height() const { return static_cast<int>(height_); }
 
  private:
   /// From the node of this height above the voxels that holds the key, down to the key's leaf or to the
@@ -75,76 +79,72 @@ class Probability {
   float log_odds_ = 0.0f, p_ = 0.5f;
 };
 
+OcTreeKey KeyOf(const NodeKey& voxel) {
+  return {static_cast<uint16_t>(voxel.x + kOctomapZero), static_cast<uint16_t>(voxel.y + kOctomapZero),
+          static_cast<uint16_t>(voxel.z + kOctomapZero)};
+}
+
 }  // namespace
 
-OctomapView::OctomapView(const octomap::OcTree& tree, const GridFrame& frame)
-    : tree_(tree), frame_(frame), behind_(frame.count(), 0), occupied_(frame.box()) {
-  const Vec3 first = frame.CenterOf(0);
-  for (unsigned a = 0; a < 3; ++a) first_key_[a] = tree.coordToKey(first[static_cast<int>(a)]);
+CellState OctomapView::StateAt(const Vec3& p_map) const {
+  const OcTreeNode* node = contents_->tree.search(p_map.x(), p_map.y(), p_map.z());
+  return node == nullptr ? CellState::kUnknown : StateOf(static_cast<float>(node->getOccupancy()));
 }
 
-bool OctomapView::Holds(const OcTreeKey& key) const {
-  for (unsigned a = 0; a < 3; ++a) {
-    const int cell = static_cast<int>(key[a]) - static_cast<int>(first_key_[a]);
-    if (cell < 0 || cell >= frame_.size()[a]) return false;
+RayEnd OctomapView::Trace(const Vec3& origin_map, const Vec3& direction_map, const TraceLimits& limits,
+                          std::vector<RaySample>* samples) const {
+  RaySamples met(limits, samples);
+  const auto span = limits.box_map.Clip(origin_map, direction_map);
+  if (!span || span->first >= limits.max_range_m) return RayEnd::kVoid;
+  VoxelRay ray(origin_map, direction_map, resolution_m(), span->first,
+               std::min(span->second, limits.max_range_m), VoxelsOf(limits.box_map, resolution_m()));
+  const BehindSurface* const behind =
+      limits.behind_surface && contents_->behind ? &*contents_->behind : nullptr;
+  LeafCursor leaves(contents_->tree);
+  Probability probability;
+
+  bool occupied = false, on = true;
+  while (on) {
+    const NodeKey voxel = ray.voxel();
+    const BehindSurface::Block* const marks = behind != nullptr ? behind->Find(voxel) : nullptr;
+    const OcTreeNode* const first = leaves.At(KeyOf(voxel));
+    const float p_first = first != nullptr ? probability.Of(first->getLogOdds()) : 0.5f;
+    const CellState state_first = first != nullptr ? StateOf(p_first) : CellState::kUnknown;
+    const bool joins = first == nullptr ? !limits.each_unmeasured : state_first == CellState::kFree;
+    if (joins && marks == nullptr && leaves.height() >= kBlockLevel) {
+      uint32_t voxels = 0;
+      float length_m = 0.0f;
+      on = ray.CrossCube(behind != nullptr ? kBlockLevel : leaves.height(), &voxels, &length_m);
+      met.Add(p_first, state_first, PackedKey(voxel), length_m, voxels);
+      continue;
+    }
+    on = ray.CrossVoxels(&occupied, [&](int index, double length_m) {
+      const NodeKey at = ray.voxel();
+      const OcTreeNode* const leaf = leaves.At(KeyOf(at));
+      if (leaf == nullptr) {
+        const float mark = marks != nullptr ? static_cast<float>((*marks)[static_cast<size_t>(index)]) : 0.0f;
+        return met.Add(0.5f, CellState::kUnknown, PackedKey(at), static_cast<float>(length_m), 1, mark);
+      }
+      const float p = probability.Of(leaf->getLogOdds());
+      return met.Add(p, StateOf(p), PackedKey(at), static_cast<float>(length_m));
+    });
   }
-  return true;
+  return occupied ? RayEnd::kOccupied : RayEnd::kVoid;
 }
 
-void OctomapView::SetBehindSurface(size_t index, int value) {
-  behind_[index] = static_cast<uint8_t>(std::max<int>(behind_[index], std::min(value, kGreatestBehind)));
-}
-
-void OctomapView::FinishUpdate() {
-  std::vector<Vec3f> centers;
-  const double voxel_m = frame_.resolution_m();
-  for (auto leaf = tree_.begin_leafs(), end = tree_.end_leafs(); leaf != end; ++leaf) {
+void OctomapView::ForEachOccupied(const core::Box3& box_map, const VisitCenter& visit) const {
+  const octomap::OcTree& tree = contents_->tree;
+  const double voxel_m = resolution_m();
+  for (auto leaf = tree.begin_leafs(), end = tree.end_leafs(); leaf != end; ++leaf) {
     if (StateOf(static_cast<float>(leaf->getOccupancy())) != CellState::kOccupied) continue;
     // A pruned leaf stands for a cube of voxels.
     const int side = 1 << (kTreeDepth - leaf.getDepth());
     const Vec3 low = Vec3(leaf.getX(), leaf.getY(), leaf.getZ()).array() - 0.5 * (side - 1) * voxel_m;
     for (int i = 0; i < side * side * side; ++i) {
       const Vec3 p = low + voxel_m * Vec3(i % side, i / side % side, i / side / side);
-      if (frame_.IndexAt(p) >= 0) centers.push_back(p.cast<float>());
+      if (box_map.Contains(p)) visit(p.cast<float>());
     }
   }
-  occupied_.Build(std::move(centers));
-}
-
-CellState OctomapView::StateAt(const Vec3& p_map) const {
-  if (frame_.IndexAt(p_map) < 0) return CellState::kUnknown;
-  const OcTreeNode* node = tree_.search(p_map.x(), p_map.y(), p_map.z());
-  return node == nullptr ? CellState::kUnknown : StateOf(static_cast<float>(node->getOccupancy()));
-}
-
-RayEnd OctomapView::Trace(const Vec3& origin_map, const Vec3& direction_map, double max_range_m,
-                          std::vector<RaySample>* samples) const {
-  samples->clear();
-  LeafCursor leaves(tree_);
-  Probability probability;
-  const bool occupied = frame_.WalkCells(
-      origin_map, direction_map, max_range_m,
-      [&](const int cell[3], size_t index, double t_enter, double t_leave) {
-        const OcTreeKey key(static_cast<uint16_t>(first_key_[0] + cell[0]),
-                            static_cast<uint16_t>(first_key_[1] + cell[1]),
-                            static_cast<uint16_t>(first_key_[2] + cell[2]));
-        const auto length_m = static_cast<float>(t_leave - t_enter);
-        const OcTreeNode* leaf = leaves.At(key);
-        if (leaf == nullptr) {
-          samples->push_back({0.5f, length_m, index, static_cast<float>(behind_[index])});
-          return true;
-        }
-        const float p = probability.Of(leaf->getLogOdds());
-        const CellState state = StateOf(p);
-        if (state == CellState::kFree && !samples->empty() && samples->back().occupancy == p) {
-          samples->back().length_m += length_m;
-          ++samples->back().voxels;
-          return true;
-        }
-        samples->push_back({p, length_m, index, 0.0f, 1, state});
-        return state != CellState::kOccupied;
-      });
-  return occupied ? RayEnd::kOccupied : RayEnd::kVoid;
 }
 
 }  // namespace atlas::mapping

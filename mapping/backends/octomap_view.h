@@ -1,53 +1,40 @@
 // An OctoMap tree as planners see a map.
 #pragma once
 
-#include <cstdint>
-#include <vector>
+#include <octomap/OcTree.h>
 
-#include "mapping/grid/dense_grid.h"
-#include "mapping/grid/occupied_index.h"
+#include <memory>
+#include <optional>
 
-namespace octomap {
-class OcTree;
-class OcTreeKey;
-}  // namespace octomap
+#include "mapping/backends/behind_surface.h"
+#include "mapping/map_view.h"
 
 namespace atlas::mapping {
 
-/// Reads the tree itself: states, probabilities along rays, occupied voxels. What the tree cannot hold is
-/// kept beside it: how far behind a surface an unmeasured voxel lies, and an index of the occupied voxels.
-class OctomapView : public OccupancyView {
+/// The library counts voxels from here, so that keys are positive.
+inline constexpr int kOctomapZero = 32768;
+
+/// What a map holds: the library's tree, and beside it what that cannot hold.
+struct OctomapContents {
+  octomap::OcTree tree;
+  std::optional<BehindSurface> behind = {};
+
+  OctomapContents Clone() const { return {tree, behind}; }
+};
+
+/// Reads the tree itself. What its leaves hold for a cube of voxels is crossed in one step.
+class OctomapView final : public MapView {
  public:
-  /// `tree` outlives this; all outside `frame` is unknown, whatever the tree holds there.
-  OctomapView(const octomap::OcTree& tree, const GridFrame& frame);
+  explicit OctomapView(std::shared_ptr<const OctomapContents> contents) : contents_(std::move(contents)) {}
 
-  const GridFrame& frame() const { return frame_; }
-  /// Whether the voxel lies in the region.
-  bool Holds(const octomap::OcTreeKey& key) const;
-  /// The greatest value stays; it counts while the voxel is unmeasured.
-  void SetBehindSurface(size_t index, int value);
-  /// Brings the index up to the tree. Call after a batch of changes, before OccupiedCenters and
-  /// DistanceToOccupied.
-  void FinishUpdate();
-  /// Of what is kept beside the tree for rays.
-  size_t Bytes() const { return behind_.size(); }
-
-  double resolution_m() const override { return frame_.resolution_m(); }
-  const core::Box3& region() const override { return frame_.box(); }
+  double resolution_m() const override { return contents_->tree.getResolution(); }
   CellState StateAt(const core::Vec3& p_map) const override;
-  RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, double max_range_m,
+  RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, const TraceLimits& limits,
                std::vector<RaySample>* samples) const override;
-  std::vector<core::Vec3f> OccupiedCenters() const override { return occupied_.centers(); }
-  double DistanceToOccupied(const core::Vec3& p_map, double limit_m) const override {
-    return occupied_.DistanceTo(p_map, limit_m);
-  }
+  void ForEachOccupied(const core::Box3& box_map, const VisitCenter& visit) const override;
 
  private:
-  const octomap::OcTree& tree_;
-  GridFrame frame_;
-  uint16_t first_key_[3];  ///< of voxel (0, 0, 0)
-  std::vector<uint8_t> behind_;
-  OccupiedIndex occupied_;
+  std::shared_ptr<const OctomapContents> contents_;
 };
 
 }  // namespace atlas::mapping

@@ -14,6 +14,8 @@ using core::Vec3;
 using core::Vec3f;
 
 constexpr double kMaxVoxels = 4e8;
+/// Of kOccupiedProbability; the negative is kFreeProbability's.
+const double kStateLogOdds = std::log(kOccupiedProbability / (1.0 - kOccupiedProbability));
 
 /// Walks a ray voxel by voxel and knows when it enters another block of 8^3 voxels, which it can cross in one
 /// step. The ray's parameter t is in metres.
@@ -161,12 +163,11 @@ Vec3 GridFrame::CenterOf(size_t index) const {
   return box_.min + resolution_m_ * (cell.array() + 0.5).matrix();
 }
 
-DenseGrid::DenseGrid(const core::Box3& region, double resolution_m, const StateLogOdds& states)
+DenseGrid::DenseGrid(const core::Box3& region, double resolution_m)
     : frame_(region, resolution_m),
-      last_free_(kZeroCode + static_cast<int>(std::floor(states.free / kLogOddsStep + 1e-6))),
-      first_occupied_(kZeroCode + static_cast<int>(std::ceil(states.occupied / kLogOddsStep - 1e-6))),
-      code_(frame_.count(), 0),
-      occupied_(frame_.box()) {
+      last_free_(kZeroCode + static_cast<int>(std::floor(-kStateLogOdds / kLogOddsStep + 1e-6))),
+      first_occupied_(kZeroCode + static_cast<int>(std::ceil(kStateLogOdds / kLogOddsStep - 1e-6))),
+      code_(frame_.count(), 0) {
   FillTable();
   for (size_t a = 0; a < 3; ++a) blocks_[a] = (frame_.size()[a] + kBlockSide - 1) / kBlockSide;
   FinishUpdate();
@@ -203,45 +204,37 @@ CellState DenseGrid::StateAt(const Vec3& p_map) const {
   return table_[code_[static_cast<size_t>(index)]].state;
 }
 
-RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, double max_range_m,
+RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, const TraceLimits& limits,
                         std::vector<RaySample>* samples) const {
-  samples->clear();
+  RaySamples met(limits, samples);
   const auto span = frame_.box().Clip(origin_map, direction_map);
-  if (!span || span->first >= max_range_m) return RayEnd::kVoid;
-  BlockWalk walk(frame_, blocks_, origin_map, direction_map, span->first,
-                 std::min(span->second, max_range_m));
+  const auto wanted = limits.box_map.Clip(origin_map, direction_map);
+  if (!span || !wanted) return RayEnd::kVoid;
+  const double begin = std::max(span->first, wanted->first),
+               end = std::min({span->second, wanted->second, limits.max_range_m});
+  if (begin >= end) return RayEnd::kVoid;
+  BlockWalk walk(frame_, blocks_, origin_map, direction_map, begin, end);
   bool occupied = false, on = true;
   const auto visit = [&](size_t index, double length_m) {
-    const uint8_t code = code_[index];
-    const Decoded voxel = table_[code];
-    if (IsFreeCode(code) && !samples->empty() && samples->back().occupancy == voxel.occupancy) {
-      samples->back().length_m += static_cast<float>(length_m);
-      ++samples->back().voxels;
-      return true;
-    }
-    samples->push_back({voxel.occupancy, static_cast<float>(length_m), index, voxel.behind, 1, voxel.state});
-    return !IsOccupiedCode(code);
+    const Decoded& voxel = table_[code_[index]];
+    return met.Add(voxel.occupancy, voxel.state, index, static_cast<float>(length_m), 1,
+                   limits.behind_surface ? voxel.behind : 0.0f);
   };
   while (on) {
     if (!block_is_free_[walk.block()]) {
       on = walk.CrossVoxels(&occupied, visit);
       continue;
     }
-    const float occupancy = table_[code_[walk.index()]].occupancy;
-    if (samples->empty() || samples->back().occupancy != occupancy) {
-      samples->push_back({occupancy, 0.0f, walk.index(), 0.0f, 0, CellState::kFree});
-    }
-    on = walk.CrossBlock(&samples->back().voxels, &samples->back().length_m);
+    const size_t first = walk.index();
+    uint32_t voxels = 0;
+    float length_m = 0.0f;
+    on = walk.CrossBlock(&voxels, &length_m);
+    met.Add(table_[code_[first]].occupancy, CellState::kFree, first, length_m, voxels);
   }
   return occupied ? RayEnd::kOccupied : RayEnd::kVoid;
 }
 
 void DenseGrid::FinishUpdate() {
-  FindFreeBlocks();
-  FindOccupied();
-}
-
-void DenseGrid::FindFreeBlocks() {
   block_is_free_.assign(
       static_cast<size_t>(blocks_[0]) * static_cast<size_t>(blocks_[1]) * static_cast<size_t>(blocks_[2]), 0);
   size_t block = 0;
@@ -269,8 +262,7 @@ bool DenseGrid::BlockIsFree(int bx, int by, int bz) const {
   return true;
 }
 
-void DenseGrid::FindOccupied() {
-  std::vector<Vec3f> centers;
+void DenseGrid::ForEachOccupied(const core::Box3& box_map, const VisitCenter& visit) const {
   constexpr size_t kGroup = 64;  // most groups hold none: a vectorised maximum passes them
   for (size_t first = 0; first < code_.size(); first += kGroup) {
     const size_t end = std::min(first + kGroup, code_.size());
@@ -278,10 +270,10 @@ void DenseGrid::FindOccupied() {
     for (size_t i = first; i < end; ++i) max = std::max(max, code_[i]);
     if (!IsOccupiedCode(max)) continue;
     for (size_t i = first; i < end; ++i) {
-      if (Occupied(i)) centers.push_back(frame_.CenterOf(i).cast<float>());
+      const Vec3 center = frame_.CenterOf(i);
+      if (Occupied(i) && box_map.Contains(center)) visit(center.cast<float>());
     }
   }
-  occupied_.Build(std::move(centers));
 }
 
 }  // namespace atlas::mapping

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mapping/grid/occupied_index.h"
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 
 namespace atlas::mapping {
 
@@ -50,18 +49,13 @@ class GridFrame {
   size_t count_;
 };
 
-/// Log-odds up to which a voxel counts as free, and from which on as occupied.
-struct StateLogOdds {
-  double free = std::log(kFreeProbability / (1.0 - kFreeProbability));
-  double occupied = std::log(kOccupiedProbability / (1.0 - kOccupiedProbability));
-};
-
-class DenseGrid : public OccupancyView {
+class DenseGrid : public MapView {
  public:
   /// Steps in which log-odds are held.
   static constexpr double kLogOddsStep = 0.05;
 
-  DenseGrid(const core::Box3& region, double resolution_m, const StateLogOdds& states = {});
+  /// States are those of OctoMap's probabilities.
+  DenseGrid(const core::Box3& region, double resolution_m);
 
   const GridFrame& frame() const { return frame_; }
   /// Sets a measured voxel's log-odds, rounded to kLogOddsStep for the view.
@@ -73,20 +67,17 @@ class DenseGrid : public OccupancyView {
   void SetBehindSurface(size_t index, int value);
   bool Measured(size_t index) const { return code_[index] >= kFirstMeasured; }
   bool Occupied(size_t index) const { return IsOccupiedCode(code_[index]); }
-  /// Rebuilds what Trace, DistanceToOccupied and OccupiedCenters read besides the voxels. Call after a batch
-  /// of changes.
+  /// Rebuilds what Trace reads besides the voxels. Call after a batch of changes.
   void FinishUpdate();
   size_t Bytes() const { return code_.size() + block_is_free_.size(); }
 
   double resolution_m() const override { return frame_.resolution_m(); }
-  const core::Box3& region() const override { return frame_.box(); }
+  const core::Box3& region() const { return frame_.box(); }
+  DenseGrid Clone() const { return *this; }
   CellState StateAt(const core::Vec3& p_map) const override;
-  RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, double max_range_m,
+  RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, const TraceLimits& limits,
                std::vector<RaySample>* samples) const override;
-  std::vector<core::Vec3f> OccupiedCenters() const override { return occupied_.centers(); }
-  double DistanceToOccupied(const core::Vec3& p_map, double limit_m) const override {
-    return occupied_.DistanceTo(p_map, limit_m);
-  }
+  void ForEachOccupied(const core::Box3& box_map, const VisitCenter& visit) const override;
 
  private:
   // Codes: 0 unmeasured; 1..31 unmeasured, that many behind a surface; 32..255 log-odds in steps about 128.
@@ -99,9 +90,7 @@ class DenseGrid : public OccupancyView {
   bool IsFreeCode(uint8_t code) const { return code >= kFirstMeasured && code <= last_free_; }
   bool IsOccupiedCode(uint8_t code) const { return code >= first_occupied_; }
   void FillTable();
-  void FindFreeBlocks();
   bool BlockIsFree(int bx, int by, int bz) const;
-  void FindOccupied();
   GridFrame frame_;
   int last_free_, first_occupied_;  ///< codes
   std::vector<uint8_t> code_;
@@ -109,7 +98,6 @@ class DenseGrid : public OccupancyView {
   // Blocks of 8^3 voxels that hold one free value throughout, which rays cross in one step.
   std::array<int, 3> blocks_ = {0, 0, 0};
   std::vector<uint8_t> block_is_free_;
-  OccupiedIndex occupied_;
 };
 
 template <typename Visit>

@@ -76,6 +76,23 @@ template <typename Field>
 Octree<Field>::~Octree() = default;
 
 template <typename Field>
+Octree<Field> Octree<Field>::Clone() const {
+  Octree copy(resolution_m_);
+  for (const Chunk* from : Chunks()) {
+    Chunk* to = copy.FindOrCreate(from->key);
+    to->uniform = from->uniform;
+    ForEachBit(from->fine, [&](int block) { copy.MakeFine(to, block, 0) = Fine(*from, block); });
+    ForEachBit(from->coarse, [&](int block) { copy.MakeCoarse(to, block, 0) = Coarse(*from, block); });
+    if (from->detail != nullptr) copy.DetailOf(to, 0)->block = from->detail->block;
+    to->level4 = from->level4;
+    to->level5 = from->level5;
+    to->level6 = from->level6;
+    to->dirty = {};
+  }
+  return copy;
+}
+
+template <typename Field>
 const typename Octree<Field>::Chunk* Octree<Field>::Find(const NodeKey& chunk) const {
   const auto found = chunks_.find(ChunkCode(chunk));
   return found == chunks_.end() ? nullptr : found->second;

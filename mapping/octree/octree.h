@@ -77,6 +77,9 @@ class Octree {
   Octree& operator=(Octree&&) noexcept;
   ~Octree();
 
+  /// A copy that shares nothing; nothing of it is marked dirty.
+  Octree Clone() const;
+
   double resolution_m() const { return resolution_m_; }
   NodeKey KeyAt(const core::Vec3& p) const { return VoxelKeyAt(p, inverse_resolution_); }
   core::Vec3 CenterOf(const NodeKey& voxel) const {

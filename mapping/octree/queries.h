@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 #include "mapping/octree/octree.h"
 #include "mapping/octree/ray_walker.h"
 

@@ -53,7 +53,7 @@ class AreaFactor final : public Gain {
 
 GainEntry AreaFactorGain() {
   return {"area_factor", "shares of known surface and occlusion plane in the view (Vasquez-Gomez 2014)",
-          GainLaws{.zero_on_certain_rays = false}, BuildGain<AreaFactor>};
+          GainLaws{.zero_on_certain_rays = false}, GainReads{}, BuildGain<AreaFactor>};
 }
 
 }  // namespace atlas::planner

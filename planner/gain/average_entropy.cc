@@ -32,7 +32,7 @@ class AverageEntropy final : public Gain {
 
 GainEntry AverageEntropyGain() {
   return {"average_entropy", "mean entropy of the voxels on rays that end occupied (Kriegel 2015)",
-          GainLaws{}, BuildGain<AverageEntropy>};
+          GainLaws{}, GainReads{.each_free = true}, BuildGain<AverageEntropy>};
 }
 
 }  // namespace atlas::planner

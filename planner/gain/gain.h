@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 
 namespace atlas::planner {
 
@@ -15,6 +15,14 @@ struct GainLaws {
   bool zero_on_certain_rays = true;        ///< occupancy 0 or 1 everywhere
   bool independent_of_voxel_size = false;  ///< length-normalised gains only
   bool at_most_occlusion_aware = false;
+};
+
+/// What a gain reads of its samples beyond states, lengths and counts of voxels: what nobody reads is joined
+/// into runs, which rays cross in one step.
+struct GainReads {
+  bool each_free = false;        ///< the occupancy of each free voxel
+  bool each_unmeasured = false;  ///< each never measured voxel by itself
+  bool behind_surface = false;
 };
 
 /// Sees one view, ray by ray; per-ray sums, per-view ratios and unions over rays all fit. One instance a
@@ -68,6 +76,7 @@ struct GainEntry {
   std::string name;
   std::string doc;  ///< one line with its source
   GainLaws laws;
+  GainReads reads;
   std::unique_ptr<Gain> (*build)(double resolution_m);
 };
 const std::vector<GainEntry>& GainCatalog();

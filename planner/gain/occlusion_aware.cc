@@ -28,7 +28,7 @@ class OcclusionAware final : public RaySumGain {
 
 GainEntry OcclusionAwareGain() {
   return {"occlusion_aware", "sum of visibility x entropy over all voxels (Isler 2016; thesis Eq. 3.3-3.5)",
-          GainLaws{.at_most_occlusion_aware = true}, BuildGain<OcclusionAware>};
+          GainLaws{.at_most_occlusion_aware = true}, GainReads{.each_free = true}, BuildGain<OcclusionAware>};
 }
 
 }  // namespace atlas::planner

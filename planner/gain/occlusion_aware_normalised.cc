@@ -43,7 +43,7 @@ class OcclusionAwareNormalised final : public RaySumGain {
 GainEntry OcclusionAwareNormalisedGain() {
   return {"occlusion_aware_normalised",
           "occlusion aware per metre; confirmed free counts as certain (DESIGN.md section 6)",
-          GainLaws{.independent_of_voxel_size = true}, BuildGain<OcclusionAwareNormalised>};
+          GainLaws{.independent_of_voxel_size = true}, GainReads{}, BuildGain<OcclusionAwareNormalised>};
 }
 
 }  // namespace atlas::planner

@@ -23,7 +23,7 @@ class ProximityCount final : public RaySumGain {
 
 GainEntry ProximityCountGain() {
   return {"proximity_count", "unmeasured voxels weighted by closeness behind a surface (Isler 2016)",
-          GainLaws{}, BuildGain<ProximityCount>};
+          GainLaws{}, GainReads{.behind_surface = true}, BuildGain<ProximityCount>};
 }
 
 }  // namespace atlas::planner

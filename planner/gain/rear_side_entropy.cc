@@ -18,8 +18,9 @@ class RearSideEntropy final : public RaySumGain {
     if (first == hit) return 0.0;
     double visibility = 1.0, sum = 0.0;
     for (size_t i = 0; i < hit && visibility >= kNegligibleVisibility; ++i) {
-      if (i >= first) sum += visibility * entropy_(samples[i].occupancy);  // Eq. 3.6
-      visibility *= AttenuationOf(samples[i]).passed;                      // Eq. 3.5
+      const Attenuation voxels = AttenuationOf(samples[i]);
+      if (i >= first) sum += visibility * voxels.visibility * entropy_(samples[i].occupancy);  // Eq. 3.6
+      visibility *= voxels.passed;                                                             // Eq. 3.5
     }
     return sum;
   }
@@ -33,7 +34,8 @@ class RearSideEntropy final : public RaySumGain {
 GainEntry RearSideEntropyGain() {
   return {"rear_side_entropy",
           "occlusion aware over the unknown run just before an occupied end (Isler 2016; thesis Eq. 3.6)",
-          GainLaws{.at_most_occlusion_aware = true}, BuildGain<RearSideEntropy>};
+          GainLaws{.at_most_occlusion_aware = true}, GainReads{.each_free = true},
+          BuildGain<RearSideEntropy>};
 }
 
 }  // namespace atlas::planner

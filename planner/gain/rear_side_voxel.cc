@@ -19,7 +19,7 @@ class RearSideVoxel final : public RaySumGain {
 
 GainEntry RearSideVoxelGain() {
   return {"rear_side_voxel", "rays whose occupied end follows an unknown voxel (Isler 2016)", GainLaws{},
-          BuildGain<RearSideVoxel>};
+          GainReads{}, BuildGain<RearSideVoxel>};
 }
 
 }  // namespace atlas::planner

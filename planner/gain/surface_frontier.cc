@@ -67,7 +67,7 @@ class SurfaceFrontier final : public SharedUnionGain {
 GainEntry SurfaceFrontierGain() {
   return {"surface_frontier",
           "square metres of unmeasured space that the view uncovers first, each patch once", GainLaws{},
-          BuildGain<SurfaceFrontier>};
+          GainReads{.each_unmeasured = true}, BuildGain<SurfaceFrontier>};
 }
 
 }  // namespace atlas::planner

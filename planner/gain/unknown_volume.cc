@@ -36,7 +36,7 @@ class UnknownVolume final : public SharedUnionGain {
 
 GainEntry UnknownVolumeGain() {
   return {"unknown_volume", "volume of the unknown voxels in view, each once (nbvplanner, Bircher 2016)",
-          GainLaws{}, BuildGain<UnknownVolume>};
+          GainLaws{}, GainReads{.each_unmeasured = true}, BuildGain<UnknownVolume>};
 }
 
 }  // namespace atlas::planner

@@ -12,8 +12,9 @@ class UnobservedVoxel final : public RaySumGain {
   double RayValue(std::span<const mapping::RaySample> samples, mapping::RayEnd) const override {
     double visibility = 1.0, sum = 0.0;
     for (const mapping::RaySample& v : samples) {
-      if (IsUnknown(v)) sum += visibility * entropy_(v.occupancy);
-      visibility *= AttenuationOf(v).passed;  // Eq. 3.5, over all voxels passed
+      const Attenuation voxels = AttenuationOf(v);
+      if (IsUnknown(v)) sum += visibility * voxels.visibility * entropy_(v.occupancy);
+      visibility *= voxels.passed;  // Eq. 3.5, over all voxels passed
       if (visibility < kNegligibleVisibility) break;
     }
     return sum;
@@ -27,7 +28,8 @@ class UnobservedVoxel final : public RaySumGain {
 
 GainEntry UnobservedVoxelGain() {
   return {"unobserved_voxel", "sum of visibility x entropy over unknown voxels (Isler 2016)",
-          GainLaws{.at_most_occlusion_aware = true}, BuildGain<UnobservedVoxel>};
+          GainLaws{.at_most_occlusion_aware = true}, GainReads{.each_free = true},
+          BuildGain<UnobservedVoxel>};
 }
 
 }  // namespace atlas::planner

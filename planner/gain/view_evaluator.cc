@@ -147,13 +147,26 @@ struct ViewEvaluator::Scratch {
   size_t rays_traced = 0;
 };
 
-ViewEvaluator::ViewEvaluator(const SweepSensorModel& sensor, const core::Box3& object_box,
+ViewEvaluator::ViewEvaluator(const SweepSensorModel& sensor, const ViewTarget& target,
                              EvaluatorOptions options)
-    : view_(sensor), object_box_(object_box), options_(std::move(options)) {
-  for (const std::string& name : options_.gains) entries_.push_back(&FindGain(name));
+    : view_(sensor),
+      target_(target),
+      options_(std::move(options)),
+      limits_{.max_range_m = options_.max_range_m,
+              .box_map = target.seen_box,
+              .each_free = false,
+              .each_unmeasured = false,
+              .behind_surface = false} {
+  for (const std::string& name : options_.gains) {
+    entries_.push_back(&FindGain(name));
+    const GainReads& reads = entries_.back()->reads;
+    limits_.each_free |= reads.each_free;
+    limits_.each_unmeasured |= reads.each_unmeasured;
+    limits_.behind_surface |= reads.behind_surface;
+  }
 }
 
-std::vector<std::vector<ViewGain>> ViewEvaluator::Evaluate(const mapping::OccupancyView& map,
+std::vector<std::vector<ViewGain>> ViewEvaluator::Evaluate(const mapping::MapView& map,
                                                            const std::vector<ViewNode>& nodes, int threads,
                                                            size_t* rays_traced) const {
   std::vector<std::vector<ViewGain>> result(nodes.size());
@@ -173,7 +186,7 @@ std::vector<std::vector<ViewGain>> ViewEvaluator::Evaluate(const mapping::Occupa
   return result;
 }
 
-std::vector<ViewGain> ViewEvaluator::EvaluateNode(const mapping::OccupancyView& map, const ViewNode& node,
+std::vector<ViewGain> ViewEvaluator::EvaluateNode(const mapping::MapView& map, const ViewNode& node,
                                                   Scratch* scratch) const {
   const size_t headings = node.yaw_rad.size();
   const Vec3 origin = node.ground_map + Vec3(0.0, 0.0, view_.sensor_height_m());
@@ -182,7 +195,7 @@ std::vector<ViewGain> ViewEvaluator::EvaluateNode(const mapping::OccupancyView& 
   scratch->weights.resize(headings);
 
   for (const RayDirection& ray :
-       DirectionsInto(object_box_, origin, view_, options_.rays, options_.max_range_m)) {
+       DirectionsInto(target_.object_box, origin, view_, options_.rays, options_.max_range_m)) {
     double seen = 0.0;
     for (size_t h = 0; h < headings; ++h) {
       const double weight =
@@ -192,10 +205,10 @@ std::vector<ViewGain> ViewEvaluator::EvaluateNode(const mapping::OccupancyView& 
       seen += weight;
     }
     if (seen <= 0.0) continue;
-    const RayEnd end = map.Trace(origin, ray.direction_map, options_.max_range_m, &scratch->samples);
+    const RayEnd end = map.Trace(origin, ray.direction_map, limits_, &scratch->samples);
     ++scratch->rays_traced;
     const EndClass end_class =
-        ClassOf(end, scratch->samples, origin, ray.direction_map, map.region(), node.ground_map.z());
+        ClassOf(end, scratch->samples, origin, ray.direction_map, target_.seen_box, node.ground_map.z());
     for (auto& accumulator : scratch->accumulators) {
       accumulator->Add(scratch->samples, end, end_class, scratch->weights);
     }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 #include "planner/gain/gain.h"
 #include "planner/gain/ray_directions.h"
 #include "planner/gain/sweep_view.h"
@@ -37,27 +37,33 @@ struct EvaluatorOptions {
   double max_range_m = 20.0;
 };
 
+/// What views are predicted of.
+struct ViewTarget {
+  core::Box3 object_box;  ///< rays go into it
+  core::Box3 seen_box;    ///< about it: what rays are followed in
+};
+
 /// Predicts views with the true field of view of the sweep. Immutable after construction.
 class ViewEvaluator {
  public:
   /// @throws InputError for an unknown gain.
-  ViewEvaluator(const SweepSensorModel& sensor, const core::Box3& object_box, EvaluatorOptions options);
+  ViewEvaluator(const SweepSensorModel& sensor, const ViewTarget& target, EvaluatorOptions options);
 
   /// One entry a heading of each node; nodes are split over threads, and results do not depend on how.
   /// `rays_traced`, where given, receives the number of traces.
-  std::vector<std::vector<ViewGain>> Evaluate(const mapping::OccupancyView& map,
-                                              const std::vector<ViewNode>& nodes, int threads,
-                                              size_t* rays_traced = nullptr) const;
+  std::vector<std::vector<ViewGain>> Evaluate(const mapping::MapView& map, const std::vector<ViewNode>& nodes,
+                                              int threads, size_t* rays_traced = nullptr) const;
   const SweepView& view() const { return view_; }
 
  private:
   struct Scratch;
-  std::vector<ViewGain> EvaluateNode(const mapping::OccupancyView& map, const ViewNode& node,
+  std::vector<ViewGain> EvaluateNode(const mapping::MapView& map, const ViewNode& node,
                                      Scratch* scratch) const;
 
   SweepView view_;
-  core::Box3 object_box_;
+  ViewTarget target_;
   EvaluatorOptions options_;
+  mapping::TraceLimits limits_;
   std::vector<const GainEntry*> entries_;
 };
 

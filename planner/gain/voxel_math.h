@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 
 namespace atlas::planner {
 

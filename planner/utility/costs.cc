@@ -27,21 +27,15 @@ double DistanceToVisited(const Vec2& p_map, const std::vector<Vec2>& visited) {
   return nearest;
 }
 
-ObjectDistance::ObjectDistance(const mapping::OccupancyView& map, double ground_m)
-    : map_(map), ground_m_(ground_m) {
-  for (const core::Vec3f& center : map.OccupiedCenters()) {
-    if (center.z() > ground_m + kGroundBand_m) centers_.push_back(center);
-  }
+ObjectDistance::ObjectDistance(const mapping::MapView& map, const core::Box3& box_map, double ground_m)
+    : object_(box_map) {
+  std::vector<core::Vec3f> centers = mapping::OccupiedCenters(map, box_map);
+  std::erase_if(centers, [&](const core::Vec3f& p) { return p.z() <= ground_m + kGroundBand_m; });
+  object_.Build(std::move(centers));
 }
 
 double ObjectDistance::At(const Vec3& p_map, double limit_m) const {
-  // The map's own answer is enough unless the ground is what is near.
-  const double any = map_.DistanceToOccupied(p_map, limit_m);
-  if (any >= limit_m || any < p_map.z() - ground_m_ - kGroundBand_m) return std::min(any, limit_m);
-  const core::Vec3f p = p_map.cast<float>();
-  float nearest = static_cast<float>(limit_m * limit_m);
-  for (const core::Vec3f& center : centers_) nearest = std::min(nearest, (center - p).squaredNorm());
-  return std::sqrt(static_cast<double>(nearest));
+  return object_.DistanceTo(p_map, limit_m);
 }
 
 double WalkTime(const TraversalModel& model, const Walkable& walkable, const std::vector<Vec2>& path,

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "mapping/occupancy_view.h"
+#include "mapping/grid/occupied_index.h"
+#include "mapping/map_view.h"
 #include "planner/candidates/walkable.h"
 
 namespace atlas::planner {
@@ -22,15 +23,13 @@ double DistanceToVisited(const core::Vec2& p_map, const std::vector<core::Vec2>&
 /// The observed object as points: occupied voxels that stand above the ground around them.
 class ObjectDistance {
  public:
-  /// Voxels lower than `ground_m` + 0.15 m are ground.
-  ObjectDistance(const mapping::OccupancyView& map, double ground_m);
+  /// Of the voxels in a box those are the object that lie higher than `ground_m` + 0.15 m.
+  ObjectDistance(const mapping::MapView& map, const core::Box3& box_map, double ground_m);
   /// To the nearest object voxel's centre, at most `limit_m`.
   double At(const core::Vec3& p_map, double limit_m) const;
 
  private:
-  const mapping::OccupancyView& map_;
-  double ground_m_;
-  std::vector<core::Vec3f> centers_;
+  mapping::OccupiedIndex object_;
 };
 
 /// How the way to a view and the turn at its end are priced.

@@ -130,6 +130,43 @@ TEST_P(GainLaw, DoesNotDependOnRayOrderOrKeyValues) {
   }
 }
 
+/// What a trace may join where nobody reads it (mapping::TraceLimits).
+std::vector<RaySample> JoinedFor(const GainReads& reads, std::vector<RaySample> voxels) {
+  std::vector<RaySample> joined;
+  mapping::TraceLimits limits;
+  limits.each_free = reads.each_free;
+  limits.each_unmeasured = reads.each_unmeasured;
+  mapping::RaySamples met(limits, &joined);
+  for (const RaySample& v : voxels) {
+    const float behind = reads.behind_surface && v.occupancy == 0.5f ? v.behind_surface : 0.0f;
+    met.Add(v.occupancy, v.state, v.key, v.length_m, v.voxels, behind);
+  }
+  return joined;
+}
+
+TEST_P(GainLaw, ReadsNoMoreThanItDeclares) {
+  const auto gain = entry().build(kRes);
+  size_t samples = 0, voxels = 0;
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    auto rays = DrawView(seed, false);
+    for (RandomRay& ray : rays) {
+      for (RaySample& v : ray.samples) v.behind_surface = v.occupancy == 0.5f ? v.behind_surface : 0.0f;
+    }
+    auto joined = rays;
+    for (RandomRay& ray : joined) {
+      voxels += ray.samples.size();
+      ray.samples = JoinedFor(entry().reads, ray.samples);
+      samples += ray.samples.size();
+    }
+    const double value = GainOf(gain.get(), rays);
+    EXPECT_NEAR(GainOf(gain.get(), joined), value, 1e-5 * (1.0 + value)) << seed;
+  }
+  const GainReads& reads = entry().reads;
+  if (!reads.each_free || !reads.each_unmeasured) {
+    EXPECT_LT(samples, 0.9 * voxels) << "or nothing was joined";
+  }
+}
+
 /// Free voxels of one occupancy in a row may come as one sample.
 TEST_P(GainLaw, DoesNotDependOnWhetherFreeVoxelsComeAsRuns) {
   const auto gain = entry().build(kRes);

@@ -6,7 +6,7 @@
 
 #include "core/keyframe.h"
 #include "mapping/cloud/scan_cloud.h"
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 #include "mapping/slam/fixed_poses.h"
 
 namespace atlas::tests {
@@ -21,11 +21,11 @@ struct PlacedSpins {
   core::Pose T_map_odom = core::Pose::Identity();
 };
 
-inline void Integrate(const core::SpinEvent& spin, const core::Pose& T_map_odom, mapping::Mapper* mapper) {
-  mapper->Integrate({.spin = Shared(spin)}, mapping::FixedPoses({T_map_odom}));
+inline void Integrate(const core::SpinEvent& spin, const core::Pose& T_map_odom, mapping::Map* map) {
+  map->Integrate({.spin = Shared(spin)}, mapping::FixedPoses({T_map_odom}));
 }
-inline void Integrate(const PlacedSpins& sweep, mapping::Mapper* mapper) {
-  for (const core::SpinEvent& spin : sweep.spins) Integrate(spin, sweep.T_map_odom, mapper);
+inline void Integrate(const PlacedSpins& sweep, mapping::Map* map) {
+  for (const core::SpinEvent& spin : sweep.spins) Integrate(spin, sweep.T_map_odom, map);
 }
 
 /// The cloud of all of them.

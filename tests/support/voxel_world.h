@@ -7,11 +7,11 @@
 #include <limits>
 #include <vector>
 
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 
 namespace atlas::tests {
 
-class VoxelWorld : public mapping::OccupancyView {
+class VoxelWorld : public mapping::MapView {
  public:
   /// All unknown. @pre the region's sides are whole multiples of the resolution.
   VoxelWorld(const core::Box3& region, double resolution_m) : region_(region), resolution_m_(resolution_m) {
@@ -28,7 +28,7 @@ class VoxelWorld : public mapping::OccupancyView {
   void Set(const core::Vec3& p_map, float occupancy) { p_[static_cast<size_t>(IndexAt(p_map))] = occupancy; }
 
   double resolution_m() const override { return resolution_m_; }
-  const core::Box3& region() const override { return region_; }
+  const core::Box3& region() const { return region_; }
   mapping::CellState StateAt(const core::Vec3& p_map) const override {
     const long i = IndexAt(p_map);
     if (i < 0) return mapping::CellState::kUnknown;
@@ -37,12 +37,16 @@ class VoxelWorld : public mapping::OccupancyView {
     return p < mapping::kFreeProbability ? mapping::CellState::kFree : mapping::CellState::kUnknown;
   }
 
-  mapping::RayEnd Trace(const core::Vec3& origin, const core::Vec3& direction, double max_range_m,
+  /// Every voxel by itself, whatever the limits allow to be joined.
+  mapping::RayEnd Trace(const core::Vec3& origin, const core::Vec3& direction,
+                        const mapping::TraceLimits& limits,
                         std::vector<mapping::RaySample>* samples) const override {
     samples->clear();
-    const auto inside = region_.Clip(origin, direction);
-    if (!inside || inside->first >= max_range_m) return mapping::RayEnd::kVoid;
-    const double begin = inside->first, end = std::min(inside->second, max_range_m);
+    const auto inside = region_.Clip(origin, direction), wanted = limits.box_map.Clip(origin, direction);
+    if (!inside || !wanted) return mapping::RayEnd::kVoid;
+    const double begin = std::max(inside->first, wanted->first),
+                 end = std::min({inside->second, wanted->second, limits.max_range_m});
+    if (begin >= end) return mapping::RayEnd::kVoid;
     std::vector<double> cuts = {begin, end};
     for (int axis = 0; axis < 3; ++axis) {
       if (std::abs(direction[axis]) < 1e-12) continue;
@@ -64,19 +68,12 @@ class VoxelWorld : public mapping::OccupancyView {
     return mapping::RayEnd::kVoid;
   }
 
-  std::vector<core::Vec3f> OccupiedCenters() const override {
-    std::vector<core::Vec3f> centers;
+  void ForEachOccupied(const core::Box3& box_map, const VisitCenter& visit) const override {
     for (size_t i = 0; i < p_.size(); ++i) {
-      if (static_cast<double>(p_[i]) > mapping::kOccupiedProbability)
-        centers.push_back(CenterOf(i).cast<float>());
+      const core::Vec3 center = CenterOf(i);
+      if (static_cast<double>(p_[i]) > mapping::kOccupiedProbability && box_map.Contains(center))
+        visit(center.cast<float>());
     }
-    return centers;
-  }
-  double DistanceToOccupied(const core::Vec3& p_map, double limit_m) const override {
-    double nearest = limit_m;
-    for (const core::Vec3f& c : OccupiedCenters())
-      nearest = std::min(nearest, (c.cast<double>() - p_map).norm());
-    return nearest;
   }
 
  private:

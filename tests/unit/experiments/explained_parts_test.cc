@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/mapping_tools/offline_map.h"
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 #include "planner/terrain/elevation_map.h"
 #include "scenes/catalog.h"
 #include "sim/simulator.h"
@@ -128,7 +128,10 @@ std::vector<tests::PlacedSpins> SweepsOfABlock() {
 /// The cloud, the file, and what rays of a planner meet.
 std::string MapperTells(const tests::TinyMissions& missions, const std::vector<tests::PlacedSpins>& sweeps,
                         const ExperimentConfig& config) {
-  const auto mapper = mapping::MakeMapper(config.mapper, kBlockBox, core::FindLidarModel("vlp16"));
+  const auto mapper =
+      mapping::MakeMap(config.mapper, {.lidar = core::FindLidarModel("vlp16"),
+                                       .keep_map = mapping::RegionOf(config.mapper, kBlockBox),
+                                       .behind_surface = true});
   Digest told;
   const core::Box3 box = mapping::RegionOf(config.mapper, kBlockBox);
   for (const tests::PlacedSpins& sweep : sweeps) {
@@ -137,12 +140,14 @@ std::string MapperTells(const tests::TinyMissions& missions, const std::vector<t
         tests::CloudOf(sweep, box, config.mapper.integrator.max_range_m, config.mapper.downsample_m).points);
   }
   told.Add(core::ReadFile(missions.folder() / mapper->Save(missions.folder())));
+  const auto view = mapper->Snapshot();
   std::vector<mapping::RaySample> samples;
   for (int i = 0; i < 800; ++i) {  // from the front and from behind
     const double azimuth = -0.35 + 0.035 * (i % 20), elevation = -0.3 + 0.03 * (i / 20 % 20);
     const Vec3 side(i < 400 ? -1.0 : 1.0, 0, 0);
     const Vec3 direction = core::RotationFromYawPitchRoll(azimuth, elevation, 0) * -side;
-    told.Add(mapper->view().Trace(1.8 * side + Vec3(0, 0.2, 0.7), direction, 10.0, &samples));
+    told.Add(view->Trace(1.8 * side + Vec3(0, 0.2, 0.7), direction, {.max_range_m = 10.0, .box_map = box},
+                         &samples));
     for (const mapping::RaySample& sample : samples) {
       told.Add(sample.occupancy);
       told.Add(sample.behind_surface);

@@ -29,11 +29,11 @@ parts:
   - {primitive: box, name: block, size: [1.0, 1.0, 1.4], pose: {xyz: [0, 0, 0.7]}}
 )";
 
-class SilentMapper : public mapping::Mapper {
+class SilentMap : public mapping::Map {
  public:
   void Integrate(const core::AnchoredSpin&, const core::PoseSource&) override {}
-  const mapping::OccupancyView& view() const override { throw std::logic_error("no view here"); }
-  size_t MapBytes() const override { return 4711; }
+  std::shared_ptr<const mapping::MapView> Snapshot() const override { return nullptr; }
+  size_t Bytes() const override { return 4711; }
   std::string Save(const fs::path&) const override { return {}; }
 };
 
@@ -64,13 +64,13 @@ class MissionMetricsTest : public ::testing::Test {
     metrics_->BeginScan();
     metrics_->ObserveSweep(core::Pose::Identity());
     metrics_->TakeCloud(cloud);
-    metrics_->ScoreClouds(mapper_);
+    metrics_->ScoreClouds(map_);
     metrics_->AdoptScore();
     metrics_->FinishScan(decision);
     return tests::ReadCsv(options_.folder / "steps.csv").back();
   }
   RunSummary Finish(RunStatus status, StopReason reason) {
-    metrics_->Save(mapper_);
+    metrics_->Save(map_);
     return metrics_->Finish(status, reason);
   }
 
@@ -81,7 +81,7 @@ class MissionMetricsTest : public ::testing::Test {
   robots::RobotSpec robot_ = robots::LoadRobot("quadruped");
   scenes::GroundTruth truth_;
   tests::FakeSimulator simulator_;
-  SilentMapper mapper_;
+  SilentMap map_;
   std::optional<MissionMetrics> metrics_;
 };
 
@@ -170,7 +170,7 @@ TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   metrics_->BeginScan();
   metrics_->ObserveSweep(core::PoseFromXyzYaw({1.0, 2.0, 3.0}, 0.5));
   metrics_->ObserveMap(777, 1.0, 88);
-  metrics_->ScoreClouds(mapper_);
+  metrics_->ScoreClouds(map_);
   metrics_->AdoptScore();
   metrics_->FinishScan(decision);
   metrics_->ObserveWalk({.distance_m = 6.5}, 0.0);

@@ -14,14 +14,14 @@ namespace atlas::experiments {
 namespace {
 
 /// Keeps what it was given.
-class CountingMapper : public mapping::Mapper {
+class CountingMap : public mapping::Map {
  public:
   void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) override {
     stamps.push_back(spin.spin->scan.stamp_s);
     shifts_x.push_back(spin.T_map_odom(poses).translation().x());
   }
-  const mapping::OccupancyView& view() const override { throw std::logic_error("no view here"); }
-  size_t MapBytes() const override { return 0; }
+  std::shared_ptr<const mapping::MapView> Snapshot() const override { return nullptr; }
+  size_t Bytes() const override { return 0; }
   std::string Save(const std::filesystem::path&) const override { return {}; }
 
   std::vector<double> stamps, shifts_x;
@@ -76,7 +76,7 @@ class SensorFeedTest : public ::testing::TestWithParam<bool> {
         feed({.refresh_period_s = 1.0, .terrain_latency_s = 0.4},
              {.localiser = &localiser,
               .terrain = &terrain,
-              .mapper = &mapper,
+              .map = &map,
               .cloud = &cloud,
               .on_localised = [this](const core::Pose& T) { told_x.push_back(T.translation().x()); },
               .on_cloud = [this](const mapping::ReturnCloud& returns) { heard += returns.points.size(); }},
@@ -86,7 +86,7 @@ class SensorFeedTest : public ::testing::TestWithParam<bool> {
   }
 
   ShiftingLocaliser localiser;
-  CountingMapper mapper;
+  CountingMap map;
   planner::ElevationMap terrain;
   mapping::ScanCloud cloud;
   std::vector<double> told_x;
@@ -132,8 +132,8 @@ TEST_P(SensorFeedTest, TheMapperHearsWhatItIsAskedToInOrderWhereItWasPlaced) {
   feed.SetMapping(Mapping::kEverything);
   feed.OnSpin(SpinAt(2.2, false));
   const SensorFeed::Mapped mapped = feed.DrainMap();
-  EXPECT_EQ(mapper.stamps, (std::vector<double>{1.2, 2.1, 2.2}));
-  EXPECT_EQ(mapper.shifts_x, (std::vector<double>{1.0, 2.0, 2.0}));
+  EXPECT_EQ(map.stamps, (std::vector<double>{1.2, 2.1, 2.2}));
+  EXPECT_EQ(map.shifts_x, (std::vector<double>{1.0, 2.0, 2.0}));
   EXPECT_EQ(mapped.cloud_points, 2u) << "one point a cell, whatever the batches";
   EXPECT_EQ(heard, 2u);
   feed.OnSpin(SpinAt(2.3, false));

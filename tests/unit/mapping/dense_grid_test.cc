@@ -73,8 +73,8 @@ TEST(DenseGrid, TraceMeetsTheVoxelsThatPlaneCrossingsMeetFreeOnesInRuns) {
       if (trial % 7 == 0) direction = Vec3::Unit(rng.UniformInt(3));
       const double range_m = rng.Uniform(1.0, 8.0);
       std::vector<RaySample> runs, voxels;
-      const RayEnd end = twins.grid.Trace(origin, direction, range_m, &runs);
-      ASSERT_EQ(end, twins.world.Trace(origin, direction, range_m, &voxels));
+      const RayEnd end = twins.grid.Trace(origin, direction, {.max_range_m = range_m}, &runs);
+      ASSERT_EQ(end, twins.world.Trace(origin, direction, {.max_range_m = range_m}, &voxels));
       const auto expected = Stretches(voxels), found = Stretches(runs);
       ASSERT_EQ(found.size(), expected.size()) << seed << " " << trial;
       for (size_t i = 0; i < found.size(); ++i) {
@@ -96,7 +96,7 @@ TEST(DenseGrid, RunsAreOfFreeVoxelsOnly) {
   core::Rng rng(22);
   for (int trial = 0; trial < 200; ++trial) {
     const Vec3 direction = Vec3(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
-    twins.grid.Trace(Vec3(0.5, 0.5, 0.5), direction, 5.0, &samples);
+    twins.grid.Trace(Vec3(0.5, 0.5, 0.5), direction, {.max_range_m = 5.0}, &samples);
     for (const RaySample& s : samples) {
       EXPECT_TRUE(s.voxels == 1 || s.occupancy < static_cast<float>(kFreeProbability));
     }
@@ -105,7 +105,8 @@ TEST(DenseGrid, RunsAreOfFreeVoxelsOnly) {
 
 TEST(DenseGrid, OccupiedCentresAreThoseOfTheVoxelsAbove08) {
   const Twins twins(4);
-  std::vector<core::Vec3f> expected = twins.world.OccupiedCenters(), found = twins.grid.OccupiedCenters();
+  const std::vector<core::Vec3f> expected = OccupiedCenters(twins.world, kRegion.Inflated(1.0)),
+                                 found = OccupiedCenters(twins.grid, kRegion.Inflated(1.0));
   ASSERT_EQ(found.size(), expected.size());
   ASSERT_GT(found.size(), 100u);
   for (size_t i = 0; i < found.size(); ++i) EXPECT_LT((found[i] - expected[i]).norm(), 1e-4f);

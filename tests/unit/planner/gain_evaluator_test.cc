@@ -15,6 +15,7 @@ using core::Box3;
 using core::Vec3;
 
 const Box3 kObjectBox{Vec3(-2.0, -1.0, 0.0), Vec3(2.0, 1.0, 2.0)};
+const ViewTarget kTarget{kObjectBox, kObjectBox.Inflated(0.5)};
 
 SweepSensorModel Sensor() {
   SweepSensorModel sensor;
@@ -81,7 +82,7 @@ double Spearman(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 TEST(ViewEvaluator, EveryViewHasAtLeastTheRaysAskedFor) {
-  const ViewEvaluator evaluator(Sensor(), kObjectBox, {{"occlusion_aware"}, 6000, 20.0});
+  const ViewEvaluator evaluator(Sensor(), kTarget, {{"occlusion_aware"}, 6000, 20.0});
   size_t traced = 0;
   const auto views = evaluator.Evaluate(HalfMapped(), RingOfNodes(8), 1, &traced);
   for (const auto& node : views) {
@@ -91,7 +92,7 @@ TEST(ViewEvaluator, EveryViewHasAtLeastTheRaysAskedFor) {
 }
 
 TEST(ViewEvaluator, AnyNumberOfThreadsGivesTheSameBits) {
-  const ViewEvaluator evaluator(Sensor(), kObjectBox, {{"occlusion_aware", "unknown_volume"}, 1000, 20.0});
+  const ViewEvaluator evaluator(Sensor(), kTarget, {{"occlusion_aware", "unknown_volume"}, 1000, 20.0});
   const auto world = HalfMapped();
   const auto nodes = RingOfNodes(9);
   const auto one = evaluator.Evaluate(world, nodes, 1);
@@ -104,7 +105,7 @@ TEST(ViewEvaluator, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 TEST(ViewEvaluator, HeadingsTogetherEqualHeadingsAlone) {
-  const ViewEvaluator evaluator(Sensor(), kObjectBox, {GainNames(), 800, 20.0});
+  const ViewEvaluator evaluator(Sensor(), kTarget, {GainNames(), 800, 20.0});
   const auto world = HalfMapped();
   const auto nodes = RingOfNodes(2);
   const auto together = evaluator.Evaluate(world, nodes, 1);
@@ -124,8 +125,8 @@ TEST(ViewEvaluator, RankingAgreesWithTenTimesDenserRays) {
   const auto nodes = RingOfNodes(8);
   const std::vector<std::string> gains = {"occlusion_aware", "occlusion_aware_normalised",
                                           "rear_side_entropy"};
-  const auto coarse = ViewEvaluator(Sensor(), kObjectBox, {gains, 5000, 20.0}).Evaluate(world, nodes, 2);
-  const auto dense = ViewEvaluator(Sensor(), kObjectBox, {gains, 50000, 20.0}).Evaluate(world, nodes, 2);
+  const auto coarse = ViewEvaluator(Sensor(), kTarget, {gains, 5000, 20.0}).Evaluate(world, nodes, 2);
+  const auto dense = ViewEvaluator(Sensor(), kTarget, {gains, 50000, 20.0}).Evaluate(world, nodes, 2);
   for (size_t g = 0; g < gains.size(); ++g) {
     EXPECT_GE(Spearman(Gains(coarse, g), Gains(dense, g)), 0.95) << gains[g];
   }
@@ -149,7 +150,7 @@ TEST(ViewEvaluator, EqualsAddingUpRaysOfABruteForceTrace) {
     return rng.UniformInt(12) == 0 ? 0.95f : rng.UniformInt(2) ? 0.5f : 0.13f;
   });
   const ViewNode node{Vec3(3.0, -3.0, 0.0), {0.7}};
-  const ViewEvaluator evaluator(Sensor(), kObjectBox, {GainNames(), 400, 20.0});
+  const ViewEvaluator evaluator(Sensor(), kTarget, {GainNames(), 400, 20.0});
   const auto view = evaluator.Evaluate(world, {node}, 1)[0][0];
   const Vec3 origin = node.ground_map + Vec3(0.0, 0.0, 0.44 + 0.25);
   for (size_t g = 0; g < GainNames().size(); ++g) {
@@ -160,7 +161,7 @@ TEST(ViewEvaluator, EqualsAddingUpRaysOfABruteForceTrace) {
       const double weight =
           ray.solid_angle_sr * evaluator.view().RaysPerSteradian(ray.azimuth_rad - 0.7, ray.elevation_rad);
       if (weight <= 0.0) continue;
-      const auto end = world.Trace(origin, ray.direction_map, 20.0, &samples);
+      const auto end = world.Trace(origin, ray.direction_map, {}, &samples);
       gain->AddRay(samples, end, weight);
     }
     const double expected = gain->FinishView();
@@ -169,7 +170,7 @@ TEST(ViewEvaluator, EqualsAddingUpRaysOfABruteForceTrace) {
 }
 
 TEST(ViewEvaluator, GainSplitByEndAddsUpToTheGain) {
-  const ViewEvaluator evaluator(Sensor(), kObjectBox, {{"occlusion_aware"}, 2000, 20.0});
+  const ViewEvaluator evaluator(Sensor(), kTarget, {{"occlusion_aware"}, 2000, 20.0});
   const auto world = MakeMap(kObjectBox.Inflated(0.5), 0.1, [](const Vec3& p) {
     return p.z() < 0.0 || (std::abs(p.y()) < 0.2 && p.z() < 1.0) ? 0.97 : 0.5;
   });
@@ -183,7 +184,7 @@ TEST(ViewEvaluator, GainSplitByEndAddsUpToTheGain) {
 }
 
 TEST(ViewEvaluator, ABoxOutOfReachGainsNothing) {
-  const ViewEvaluator evaluator(Sensor(), kObjectBox, {{"occlusion_aware"}, 1000, 5.0});
+  const ViewEvaluator evaluator(Sensor(), kTarget, {{"occlusion_aware"}, 1000, 5.0});
   const auto views = evaluator.Evaluate(HalfMapped(), {{Vec3(30.0, 0.0, 0.0), {0.0}}}, 1);
   EXPECT_EQ(views[0][0].gain[0], 0.0);
   EXPECT_EQ(views[0][0].rays, 0);

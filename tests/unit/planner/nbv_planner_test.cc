@@ -58,7 +58,7 @@ tests::FlatGround GroundAboutObject(const Vec2& robot) {
 }
 
 std::unique_ptr<NbvPlanner> Make(const NbvParams& params, int threads = 1, uint64_t seed = 1) {
-  return MakeNbvPlanner(params, Robot(), kObjectBox, threads, core::Rng(seed));
+  return MakeNbvPlanner(params, Robot(), {kObjectBox, kObjectBox.Inflated(0.5)}, threads, core::Rng(seed));
 }
 
 const Pose kRobot = core::PoseFromXyzYaw(Vec3(0.0, -3.0, 0.44), 0.0);

@@ -48,7 +48,7 @@ TEST(Costs, TwoTraversalCostsLeaveTheProductOfWhatTheyLeave) {
 TEST(Costs, ObjectDistanceLeavesTheGroundOut) {
   tests::VoxelWorld world({Vec3(-2, -2, -0.5), Vec3(2, 2, 1.5)}, 0.1);
   world.Fill([](const Vec3& p) { return p.z() < 0.0 || (p.x() > 1.0 && p.z() < 1.0) ? 0.95f : 0.1f; });
-  const ObjectDistance object(world, 0.0);
+  const ObjectDistance object(world, world.region(), 0.0);
   const Vec3 sensor(0.0, 0.05, 0.65);
   EXPECT_NEAR(object.At(sensor, 5.0), 1.05, 0.01);
   EXPECT_NEAR(object.At(sensor, 0.8), 0.8, 1e-6) << "limited";

@@ -4,7 +4,7 @@
 
 #include "core/rng.h"
 #include "mapping/io/map_file.h"
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 #include "tests/support/placed_spins.h"
 
 namespace atlas::mapping {
@@ -14,7 +14,7 @@ using core::Vec3;
 using core::Vec3f;
 
 const core::Box3 kRoom{Vec3(-2.0, -2.0, 0.0), Vec3(2.0, 2.0, 2.4)};
-const core::Box3 kMapBox{Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)};
+const core::Box3 kRegion = RegionOf(MapperParams{}, {Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)});
 
 /// A VLP-16 that rolls from +40 to -40 degrees and back in a room: ranges in closed form, each ray from where
 /// the sensor is at its own time.
@@ -55,18 +55,19 @@ tests::PlacedSpins RollingSweep(int spins) {
   return sweep;
 }
 
-std::unique_ptr<Mapper> Make(const std::string& name) {
+std::unique_ptr<Map> Make(const std::string& name) {
   MapperParams params;
   params.name = name;
-  return MakeMapper(params, kMapBox, core::FindLidarModel("vlp16"));
+  return MakeMap(params,
+                 {.lidar = core::FindLidarModel("vlp16"), .keep_map = kRegion, .behind_surface = true});
 }
 
 struct Counts {
   double free = 0, occupied = 0, freed_wall = 0, occupied_away = 0, free_outside = 0;
 };
-Counts CountStates(const OccupancyView& view) {
+Counts CountStates(const MapView& view) {
   Counts n;
-  const core::Box3& region = view.region();
+  const core::Box3& region = kRegion;
   for (double x = region.min.x() + 0.025; x < region.max.x(); x += 0.05) {
     for (double y = region.min.y() + 0.025; y < region.max.y(); y += 0.05) {
       for (double z = region.min.z() + 0.025; z < region.max.z(); z += 0.05) {
@@ -83,34 +84,35 @@ Counts CountStates(const OccupancyView& view) {
   return n;
 }
 
-TEST(SeAtlasMapper, RoomIsFreeInsideOccupiedOnItsWallsAndUnknownBeyond) {
+TEST(SeAtlasMap, RoomIsFreeInsideOccupiedOnItsWallsAndUnknownBeyond) {
   const tests::PlacedSpins sweep = RollingSweep(30);
   const auto atlas = Make("se_atlas"), octomap = Make("octomap");
   tests::Integrate(sweep, atlas.get());
   tests::Integrate(sweep, octomap.get());
-  const Counts a = CountStates(atlas->view()), o = CountStates(octomap->view());
+  const Counts a = CountStates(*atlas->Snapshot()), o = CountStates(*octomap->Snapshot());
   EXPECT_GT(a.free, 0.97 * o.free);
   EXPECT_GT(a.occupied, 0.9 * o.occupied);
   EXPECT_LE(a.free_outside, 0.001 * a.free);
   EXPECT_LE(a.occupied_away, 0.01 * a.occupied);
-  EXPECT_LT(atlas->MapBytes(), octomap->MapBytes());
+  EXPECT_LT(atlas->Bytes(), octomap->Bytes());
 }
 
-TEST(SeAtlasMapper, ViewIsTheSameWhenItIsReadAfterEverySpinOrOnce) {
+TEST(SeAtlasMap, ViewIsTheSameWhenItIsReadAfterEverySpinOrOnce) {
   const tests::PlacedSpins sweep = RollingSweep(6);
   const auto once = Make("se_atlas"), often = Make("se_atlas");
   tests::Integrate(sweep, once.get());
+  std::vector<std::shared_ptr<const MapView>> held;  // so that each revolution goes into a copy
   for (const core::SpinEvent& spin : sweep.spins) {
     tests::Integrate(spin, sweep.T_map_odom, often.get());
-    often->view();
+    held.push_back(often->Snapshot());
   }
-  EXPECT_TRUE(once->view().OccupiedCenters() == often->view().OccupiedCenters());
+  EXPECT_TRUE(OccupiedCenters(*once->Snapshot(), kRegion) == OccupiedCenters(*often->Snapshot(), kRegion));
   core::Rng rng(5);
   std::vector<RaySample> a, b;
   for (int trial = 0; trial < 300; ++trial) {
     const Vec3 direction = Vec3(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
-    once->view().Trace(Vec3(0.1, 0.2, 1.0), direction, 20.0, &a);
-    often->view().Trace(Vec3(0.1, 0.2, 1.0), direction, 20.0, &b);
+    once->Snapshot()->Trace(Vec3(0.1, 0.2, 1.0), direction, {.box_map = kRegion}, &a);
+    often->Snapshot()->Trace(Vec3(0.1, 0.2, 1.0), direction, {.box_map = kRegion}, &b);
     ASSERT_EQ(a.size(), b.size());
     for (size_t i = 0; i < a.size(); ++i) {
       EXPECT_EQ(a[i].occupancy, b[i].occupancy);
@@ -119,14 +121,14 @@ TEST(SeAtlasMapper, ViewIsTheSameWhenItIsReadAfterEverySpinOrOnce) {
   }
 }
 
-TEST(SeAtlasMapper, BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls) {
+TEST(SeAtlasMap, BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls) {
   const auto atlas = Make("se_atlas");
   tests::Integrate(RollingSweep(6), atlas.get());
   std::vector<RaySample> samples;
   int marked = 0;
   // From outside through the wall: what lies behind it was never measured.
   for (double y = -1.0; y < 1.0; y += 0.1) {
-    atlas->view().Trace(Vec3(4.0, y, 1.0), -Vec3::UnitX(), 20.0, &samples);
+    atlas->Snapshot()->Trace(Vec3(4.0, y, 1.0), -Vec3::UnitX(), {.box_map = kRegion}, &samples);
     for (const RaySample& s : samples) {
       marked += s.behind_surface > 0.0f;
       EXPECT_TRUE(s.behind_surface == 0.0f || s.occupancy == 0.5f);
@@ -136,7 +138,7 @@ TEST(SeAtlasMapper, BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls) {
   EXPECT_GT(marked, 10);
 }
 
-TEST(SeAtlasMapper, SavedMapReadsBackWithTheSameOccupiedVoxels) {
+TEST(SeAtlasMap, SavedMapReadsBackWithTheSameOccupiedVoxels) {
   const auto atlas = Make("se_atlas");
   tests::Integrate(RollingSweep(6), atlas.get());
   const auto dir = std::filesystem::temp_directory_path() / ("atlas_map_" + std::to_string(::getpid()));
@@ -145,7 +147,7 @@ TEST(SeAtlasMapper, SavedMapReadsBackWithTheSameOccupiedVoxels) {
   EXPECT_EQ(file, "map.atlas");
   const AnyOctree read = ReadMap(dir / file);
   const auto& tree = std::get<OccupancyOctree>(read);
-  const auto centers = atlas->view().OccupiedCenters();
+  const auto centers = OccupiedCenters(*atlas->Snapshot(), kRegion);
   ASSERT_GT(centers.size(), 1000u);
   for (const Vec3f& c : centers) {
     EXPECT_TRUE(OccupancyField::Occupied(tree.At(Vec3(c.cast<double>()))));

@@ -6,7 +6,8 @@
 
 #include "core/errors.h"
 #include "core/rng.h"
-#include "mapping/mapper.h"
+#include "mapping/grid/occupied_index.h"
+#include "mapping/map.h"
 #include "tests/support/placed_spins.h"
 
 namespace atlas::mapping {
@@ -54,6 +55,10 @@ tests::PlacedSpins RoomSweep(int spins, double noise, const Vec3& velocity = Vec
   return sweep;
 }
 
+std::unique_ptr<Map> MapOf(const MapperParams& params, const core::Box3& box) {
+  return MakeMap(params, {.keep_map = RegionOf(params, box)});
+}
+
 MapperParams OctomapParams() {
   MapperParams params;
   params.name = "octomap";
@@ -61,6 +66,7 @@ MapperParams OctomapParams() {
 }
 
 const core::Box3 kBox{Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)};
+const core::Box3 kRegion = RegionOf(MapperParams{}, kBox);
 
 octomap::point3d PointOf(const Vec3f& p) {
   return {p.x(), p.y(), p.z()};
@@ -76,9 +82,9 @@ octomap::OcTree TreeFor(const MapperParams& params) {
 }
 
 /// The probability that the view reports of the voxel about `center`, by a ray that ends within it.
-double ViewedAt(const OccupancyView& view, const Vec3& center) {
+double ViewedAt(const MapView& view, const Vec3& center) {
   std::vector<RaySample> samples;
-  view.Trace(center, Vec3::UnitX(), 0.01, &samples);
+  view.Trace(center, Vec3::UnitX(), {.max_range_m = 0.01}, &samples);
   return samples.size() == 1 ? static_cast<double>(samples[0].occupancy) : -1.0;
 }
 
@@ -86,9 +92,9 @@ struct Agreement {
   size_t measured = 0, occupied = 0, differing = 0, cells = 0;
 };
 /// The view against a tree, every voxel of the region: probability, state and distance from it.
-Agreement Compare(const OccupancyView& view, const octomap::OcTree& tree) {
+Agreement Compare(const MapView& view, const octomap::OcTree& tree) {
   Agreement n;
-  const core::Box3& region = view.region();
+  const core::Box3& region = kRegion;
   const double half = 0.5 * view.resolution_m();
   for (double x = region.min.x() + half; x < region.max.x(); x += 2.0 * half) {
     for (double y = region.min.y() + half; y < region.max.y(); y += 2.0 * half) {
@@ -109,7 +115,7 @@ Agreement Compare(const OccupancyView& view, const octomap::OcTree& tree) {
   return n;
 }
 
-TEST(OctomapMapper, EqualsOneInsertionIntoTheLibrarysTreeARevolution) {
+TEST(OctomapMap, EqualsOneInsertionIntoTheLibrarysTreeARevolution) {
   const MapperParams params = OctomapParams();
   tests::PlacedSpins sweep = RoomSweep(6, 0.01, Vec3::Zero());  // the library knows one origin a cloud
   for (core::SpinEvent& event : sweep.spins) {
@@ -117,7 +123,7 @@ TEST(OctomapMapper, EqualsOneInsertionIntoTheLibrarysTreeARevolution) {
       if (kind == core::ReturnKind::kVoid) kind = core::ReturnKind::kDropout;
     }
   }
-  const auto mapper = MakeMapper(params, kBox);
+  const auto mapper = MapOf(params, kBox);
   octomap::OcTree tree = TreeFor(params);
   for (const core::SpinEvent& event : sweep.spins) {
     tests::Integrate(event, sweep.T_map_odom, mapper.get());
@@ -128,7 +134,7 @@ TEST(OctomapMapper, EqualsOneInsertionIntoTheLibrarysTreeARevolution) {
       cloud.push_back(PointOf(ray.origin_map + ray.range_m * ray.direction_map));
     tree.insertPointCloud(cloud, PointOf(spin.hits[0].origin_map), -1.0, false, true);
   }
-  const Agreement n = Compare(mapper->view(), tree);
+  const Agreement n = Compare(*mapper->Snapshot(), tree);
   EXPECT_GT(n.measured, 60000u);
   EXPECT_GT(n.occupied, 2000u);
   EXPECT_EQ(n.differing, 0u) << "of " << n.cells;
@@ -156,11 +162,11 @@ void InsertRayByRay(const UndistortedSpin& spin, double void_range_m, octomap::O
   for (const auto& key : hit) tree->updateNode(key, true);
 }
 
-TEST(OctomapMapper, EqualsTheLibraryRayByRayWhereTheSensorMovesAndRaysAreVoid) {
+TEST(OctomapMap, EqualsTheLibraryRayByRayWhereTheSensorMovesAndRaysAreVoid) {
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 1.2;  // ends inside the region
   const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
-  const auto mapper = MakeMapper(params, kBox);
+  const auto mapper = MapOf(params, kBox);
   tests::Integrate(sweep, mapper.get());
   octomap::OcTree tree = TreeFor(params);
   UndistortedSpin spin;
@@ -169,7 +175,7 @@ TEST(OctomapMapper, EqualsTheLibraryRayByRayWhereTheSensorMovesAndRaysAreVoid) {
     ASSERT_GT(spin.voids.size(), 100u);
     InsertRayByRay(spin, params.integrator.void_range_m, &tree);
   }
-  const Agreement n = Compare(mapper->view(), tree);
+  const Agreement n = Compare(*mapper->Snapshot(), tree);
   EXPECT_GT(n.measured, 60000u);
   EXPECT_EQ(n.differing, 0u) << "of " << n.cells;
 }
@@ -191,9 +197,9 @@ struct Overlap {
   }
 };
 template <typename Other>
-Overlap Overlay(const OccupancyView& view, const Other& other) {
+Overlap Overlay(const MapView& view, const Other& other) {
   Overlap n;
-  const core::Box3& region = view.region();
+  const core::Box3& region = kRegion;
   for (double x = region.min.x() + 0.025; x < region.max.x(); x += 0.05) {
     for (double y = region.min.y() + 0.025; y < region.max.y(); y += 0.05) {
       for (double z = region.min.z() + 0.025; z < region.max.z(); z += 0.05) {
@@ -204,12 +210,12 @@ Overlap Overlay(const OccupancyView& view, const Other& other) {
   return n;
 }
 
-TEST(OctomapMapper, RaysCutAtTheRegionClearWhatWholeRaysClear) {
+TEST(OctomapMap, RaysCutAtTheRegionClearWhatWholeRaysClear) {
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 9.0;
   const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
   const core::Box3 inner{Vec3(-1.0, -1.2, 0.3), Vec3(1.3, 1.1, 1.4)};  // every ray leaves it
-  const auto mapper = MakeMapper(params, inner);
+  const auto mapper = MapOf(params, inner);
   tests::Integrate(sweep, mapper.get());
   octomap::OcTree tree = TreeFor(params);
   UndistortedSpin spin;
@@ -217,7 +223,7 @@ TEST(OctomapMapper, RaysCutAtTheRegionClearWhatWholeRaysClear) {
     Undistort(event, sweep.T_map_odom, &spin);
     InsertRayByRay(spin, params.integrator.void_range_m, &tree);
   }
-  const Overlap n = Overlay(mapper->view(), [&](const Vec3& p) {
+  const Overlap n = Overlay(*mapper->Snapshot(), [&](const Vec3& p) {
     const auto* node = tree.search(p.x(), p.y(), p.z());
     return node == nullptr ? 0.5 : node->getOccupancy();
   });
@@ -227,10 +233,10 @@ TEST(OctomapMapper, RaysCutAtTheRegionClearWhatWholeRaysClear) {
   EXPECT_LT(std::abs(n.evidence_apart), 0.25 * std::abs(n.evidence));
 }
 
-TEST(OctomapMapper, SavesTheTreeItself) {
+TEST(OctomapMap, SavesTheTreeItself) {
   const MapperParams params = OctomapParams();
   const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
-  const auto mapper = MakeMapper(params, kBox);
+  const auto mapper = MapOf(params, kBox);
   tests::Integrate(sweep, mapper.get());
   const auto dir = std::filesystem::temp_directory_path() / ("atlas_bt_" + std::to_string(::getpid()));
   std::filesystem::create_directories(dir);
@@ -238,12 +244,12 @@ TEST(OctomapMapper, SavesTheTreeItself) {
   octomap::OcTree saved(0.1);
   ASSERT_TRUE(saved.readBinary((dir / "map.bt").string()));
   std::filesystem::remove_all(dir);
-  const core::Box3& region = mapper->view().region();
+  const core::Box3 region = RegionOf(params, kBox);
   size_t known = 0;
   for (double x = region.min.x() + 0.025; x < region.max.x(); x += 0.05) {
     for (double y = region.min.y() + 0.025; y < region.max.y(); y += 0.05) {
       for (double z = region.min.z() + 0.025; z < region.max.z(); z += 0.05) {
-        const double p = ViewedAt(mapper->view(), Vec3(x, y, z));
+        const double p = ViewedAt(*mapper->Snapshot(), Vec3(x, y, z));
         const auto* node = saved.search(x, y, z);
         ASSERT_EQ(node != nullptr, p != 0.5) << x << " " << y << " " << z;
         if (node == nullptr) continue;
@@ -255,17 +261,15 @@ TEST(OctomapMapper, SavesTheTreeItself) {
   EXPECT_GT(known, 50000u);
 }
 
-TEST(DenseGridMapper, AgreesWithTheLibrarysTreeButForRaysThatGrazeCorners) {
+TEST(DenseGridMap, AgreesWithTheLibrarysTreeButForRaysThatGrazeCorners) {
   const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
   MapperParams params = OctomapParams();
-  const auto tree = MakeMapper(params, kBox);
+  const auto tree = MapOf(params, kBox);
   params.name = "dense_grid";
-  const auto grid = MakeMapper(params, kBox);
+  const auto grid = MapOf(params, kBox);
   tests::Integrate(sweep, tree.get());
   tests::Integrate(sweep, grid.get());
-  ASSERT_EQ(tree->view().region().min, grid->view().region().min);
-  ASSERT_EQ(tree->view().region().max, grid->view().region().max);
-  const Overlap n = Overlay(tree->view(), [&](const Vec3& p) { return ViewedAt(grid->view(), p); });
+  const Overlap n = Overlay(*tree->Snapshot(), [&](const Vec3& p) { return ViewedAt(*grid->Snapshot(), p); });
   EXPECT_GT(n.measured, 60000.0);
   EXPECT_GT(n.surface, 2000.0);
   EXPECT_LT(n.measured_in_one, 0.5 * n.measured);
@@ -273,7 +277,7 @@ TEST(DenseGridMapper, AgreesWithTheLibrarysTreeButForRaysThatGrazeCorners) {
   EXPECT_LT(std::abs(n.evidence_apart), 0.1 * std::abs(n.evidence));
 }
 
-TEST(OctomapMapper, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
+TEST(OctomapMap, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
   tests::PlacedSpins sweep = RoomSweep(6, 0.0, Vec3::Zero());
   for (core::SpinEvent& event : sweep.spins) {
     std::fill(event.scan.kind.begin(), event.scan.kind.end(), core::ReturnKind::kVoid);
@@ -284,16 +288,16 @@ TEST(OctomapMapper, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
   }
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 1.0;
-  const auto clearing = MakeMapper(params, kBox);
+  const auto clearing = MapOf(params, kBox);
   tests::Integrate(sweep, clearing.get());
   const Vec3 sensor = sweep.T_map_odom * Vec3(0.3, -0.2, 0.92);
   const Vec3 forward = sweep.T_map_odom.linear() * Vec3::UnitX();
-  EXPECT_EQ(clearing->view().StateAt(sensor + 0.5 * forward), CellState::kFree);
-  EXPECT_EQ(clearing->view().StateAt(sensor + 1.1 * forward), CellState::kUnknown);
+  EXPECT_EQ(clearing->Snapshot()->StateAt(sensor + 0.5 * forward), CellState::kFree);
+  EXPECT_EQ(clearing->Snapshot()->StateAt(sensor + 1.1 * forward), CellState::kUnknown);
   params.integrator.void_rays = "ignore";
-  const auto ignoring = MakeMapper(params, kBox);
+  const auto ignoring = MapOf(params, kBox);
   tests::Integrate(sweep, ignoring.get());
-  EXPECT_EQ(ignoring->view().StateAt(sensor + 0.5 * forward), CellState::kUnknown);
+  EXPECT_EQ(ignoring->Snapshot()->StateAt(sensor + 0.5 * forward), CellState::kUnknown);
 }
 
 TEST(ScanCloud, IsUndistortedOnTheTrueWalls) {
@@ -308,17 +312,18 @@ TEST(ScanCloud, IsUndistortedOnTheTrueWalls) {
   }
 }
 
-TEST(OctomapMapper, TraceListsTheVoxelsThatSamplingFinds) {
-  const auto mapper = MakeMapper(OctomapParams(), kBox);
+TEST(OctomapMap, TraceListsTheVoxelsThatSamplingFinds) {
+  const auto mapper = MapOf(OctomapParams(), kBox);
   tests::Integrate(RoomSweep(12, 0.0, Vec3(0.05, 0.02, 0.0)), mapper.get());
-  const OccupancyView& view = mapper->view();
+  const std::shared_ptr<const MapView> snapshot = mapper->Snapshot();
+  const MapView& view = *snapshot;
   core::Rng rng(5);
   std::vector<RaySample> samples;
   int ended_occupied = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const Vec3 origin(rng.Uniform(-1.5, 1.5), rng.Uniform(-1.5, 1.5), rng.Uniform(0.3, 2.0));
     const Vec3 direction = Vec3(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
-    const RayEnd end = view.Trace(origin, direction, 20.0, &samples);
+    const RayEnd end = view.Trace(origin, direction, {.box_map = kRegion}, &samples);
     double t = 0.0;
     for (size_t i = 0; i < samples.size(); ++i) {
       const double length = static_cast<double>(samples[i].length_m);
@@ -336,31 +341,33 @@ TEST(OctomapMapper, TraceListsTheVoxelsThatSamplingFinds) {
   EXPECT_GT(ended_occupied, 30);
 }
 
-TEST(OctomapMapper, DistanceToOccupiedMatchesBruteForce) {
-  const auto mapper = MakeMapper(OctomapParams(), kBox);
+TEST(OccupiedIndex, DistanceMatchesBruteForce) {
+  const auto mapper = MapOf(OctomapParams(), kBox);
   tests::Integrate(RoomSweep(3, 0.0), mapper.get());
-  const auto centers = mapper->view().OccupiedCenters();
+  const auto centers = OccupiedCenters(*mapper->Snapshot(), kRegion);
   ASSERT_FALSE(centers.empty());
+  OccupiedIndex index(kRegion);
+  index.Build(centers);
   core::Rng rng(6);
   for (int trial = 0; trial < 100; ++trial) {
     const Vec3 p(rng.Uniform(-4, 4), rng.Uniform(-4, 4), rng.Uniform(-1, 3));
     double best = 1.5;
     for (const Vec3f& c : centers) best = std::min(best, (c.cast<double>() - p).norm());
-    EXPECT_NEAR(mapper->view().DistanceToOccupied(p, 1.5), best, 1e-4);
+    EXPECT_NEAR(index.DistanceTo(p, 1.5), best, 1e-4);
   }
 }
 
 /// Every mapper of the catalogue.
-class EachMapper : public ::testing::TestWithParam<std::string> {
+class EachMap : public ::testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Mapper> Make() const {
+  std::unique_ptr<Map> Make() const {
     MapperParams params;
     params.name = GetParam();
-    return MakeMapper(params, kBox);
+    return MapOf(params, kBox);
   }
 };
 
-TEST_P(EachMapper, ViewIsWholeWhicheverThreadAsksFirst) {
+TEST_P(EachMap, ViewIsWholeWhicheverThreadAsksFirst) {
   const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
   const auto quiet = Make(), busy = Make();
   for (const core::SpinEvent& event : sweep.spins) {
@@ -369,25 +376,61 @@ TEST_P(EachMapper, ViewIsWholeWhicheverThreadAsksFirst) {
     size_t bytes = 0, known = 0;
     std::vector<Vec3f> occupied;
     std::thread scorer([&] {
-      bytes = busy->MapBytes();
-      known = busy->view().StateAt(Vec3(0.3, -0.2, 0.6)) != CellState::kUnknown;
+      bytes = busy->Bytes();
+      known = busy->Snapshot()->StateAt(Vec3(0.3, -0.2, 0.6)) != CellState::kUnknown;
     });
-    occupied = busy->view().OccupiedCenters();
+    occupied = OccupiedCenters(*busy->Snapshot(), kRegion);
     scorer.join();
-    EXPECT_TRUE(occupied == quiet->view().OccupiedCenters());
-    EXPECT_EQ(bytes, quiet->MapBytes());
-    EXPECT_EQ(known, quiet->view().StateAt(Vec3(0.3, -0.2, 0.6)) != CellState::kUnknown);
+    EXPECT_TRUE(occupied == OccupiedCenters(*quiet->Snapshot(), kRegion));
+    EXPECT_EQ(bytes, quiet->Bytes());
+    EXPECT_EQ(known, quiet->Snapshot()->StateAt(Vec3(0.3, -0.2, 0.6)) != CellState::kUnknown);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EachMapper, ::testing::Values("octomap", "dense_grid", "se_atlas"));
+INSTANTIATE_TEST_SUITE_P(Catalogue, EachMap, ::testing::Values("octomap", "dense_grid", "se_atlas"));
 
-TEST(Mapper, RegionTooLargeForTheResolutionIsRefused) {
+TEST_P(EachMap, ASnapshotStaysAsItWasWhileTheMapGoesOn) {
+  const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
+  const auto map = Make();
+  tests::Integrate(sweep.spins[0], sweep.T_map_odom, map.get());
+  const std::shared_ptr<const MapView> before = map->Snapshot();
+  const std::vector<Vec3f> occupied = OccupiedCenters(*before, kRegion);
+  tests::PlacedSpins rest = sweep;
+  rest.T_map_odom = core::PoseFromXyzYaw({0.4, 0.3, 0.0}, 0.3);  // walls elsewhere
+  std::thread reader([&] {
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(OccupiedCenters(*before, kRegion) == occupied);
+  });
+  tests::Integrate(rest, map.get());
+  reader.join();
+  EXPECT_TRUE(OccupiedCenters(*before, kRegion) == occupied);
+  EXPECT_GT(OccupiedCenters(*map->Snapshot(), kRegion).size(), occupied.size());
+}
+
+TEST_P(EachMap, NothingIsKeptOutsideTheBox) {
+  const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
+  MapperParams params;
+  params.name = GetParam();
+  const core::Box3 half{Vec3(-2.3, -2.3, -0.2), Vec3(0.0, 2.3, 2.6)};
+  const auto map = MakeMap(params, {.keep_map = RegionOf(params, half)});
+  tests::Integrate(sweep, map.get());
+  const std::shared_ptr<const MapView> view = map->Snapshot();
+  size_t known = 0;
+  for (double x = -2.0; x < 2.0; x += 0.1) {
+    const bool is_known = view->StateAt(Vec3(x, 0.3, 1.0)) != CellState::kUnknown;
+    known += is_known;
+    EXPECT_TRUE(x < 0.25 || !is_known) << x;
+  }
+  EXPECT_GT(known, 10u);
+}
+
+TEST(Map, ADenseGridTooLargeForItsResolutionIsRefused) {
   MapperParams params = OctomapParams();
+  params.name = "dense_grid";
   params.resolution_m = 0.02;
-  EXPECT_THROW(MakeMapper(params, core::Box3{Vec3(-200, -200, 0), Vec3(200, 200, 20)}), core::InputError);
+  EXPECT_THROW(MapOf(params, core::Box3{Vec3(-200, -200, 0), Vec3(200, 200, 20)}), core::InputError);
+  EXPECT_THROW(MakeMap(params, {}), core::InputError) << "no box to keep";
   params.name = "octomop";
-  EXPECT_THROW(MakeMapper(params, kBox), core::InputError);
+  EXPECT_THROW(MapOf(params, kBox), core::InputError);
 }
 
 }  // namespace

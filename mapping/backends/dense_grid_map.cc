@@ -1,11 +1,13 @@
-#include "mapping/backends/dense_grid_mapper.h"
+#include "mapping/backends/dense_grid_map.h"
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <utility>
 
-#include "mapping/backends/behind_surface.h"
-#include "mapping/backends/on_demand.h"
+#include "core/errors.h"
 #include "mapping/cloud/undistort.h"
+#include "mapping/copy_on_write.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/io/map_file.h"
 
@@ -18,14 +20,21 @@ float LogOdds(double p) {
   return static_cast<float>(std::log(p / (1.0 - p)));
 }
 
-class DenseGridMapper : public Mapper {
+/// The box to keep. @throws InputError without one.
+const core::Box3& BoxOf(const MapSetup& setup) {
+  if (!setup.keep_map) throw core::InputError("mapper.name: dense_grid keeps a box, and there is none");
+  return *setup.keep_map;
+}
+
+class DenseGridMap final : public Map {
  public:
-  DenseGridMapper(const MapperParams& params, const core::Box3& object_box)
+  DenseGridMap(const MapperParams& params, const MapSetup& setup)
       : params_(params),
-        grid_(object_box.Inflated(params.region_margin_m), params.resolution_m),
-        log_odds_(grid_.frame().count(), 0.0f),
-        mark_(grid_.frame().count(), kUntouched),
-        ended_(grid_.frame().count(), 0) {
+        shared_(DenseGrid(BoxOf(setup), params.resolution_m)),
+        behind_surface_(setup.behind_surface),
+        log_odds_(frame().count(), 0.0f),
+        mark_(frame().count(), kUntouched),
+        ended_(frame().count(), 0) {
     hit_ = LogOdds(params.hit_probability);
     miss_ = LogOdds(params.miss_probability);
     clamp_min_ = LogOdds(params.clamp_min);
@@ -34,32 +43,34 @@ class DenseGridMapper : public Mapper {
 
   void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) override {
     Undistort(*spin.spin, spin.T_map_odom(poses), &rays_);
+    DenseGrid& grid = shared_.Write();
     ++spin_;
-    MarkHits(rays_);
+    MarkHits(rays_, &grid);
     MarkFree(rays_);
-    ApplyMarks();
-    blocks_.Request();
+    ApplyMarks(&grid);
+    stale_ = true;
   }
 
-  const OccupancyView& view() const override {
-    blocks_.Ensure([this] { grid_.FinishUpdate(); });
-    return grid_;
+  std::shared_ptr<const MapView> Snapshot() const override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (std::exchange(stale_, false)) shared_.Write().FinishUpdate();
+    return shared_.Share();
   }
 
-  size_t MapBytes() const override {
-    view();
-    return grid_.Bytes() + log_odds_.size() * sizeof(float) + mark_.size() + ended_.size() * sizeof(uint32_t);
+  size_t Bytes() const override {
+    return shared_.Read().Bytes() + log_odds_.size() * sizeof(float) + mark_.size() +
+           ended_.size() * sizeof(uint32_t);
   }
 
   /// As an octree, whose log-odds come in steps of 0.05.
   std::string Save(const std::filesystem::path& directory) const override {
     OccupancyOctree tree(params_.resolution_m);
     for (size_t i = 0; i < log_odds_.size(); ++i) {
-      if (!grid_.Measured(i)) continue;
+      if (!shared_.Read().Measured(i)) continue;
       const auto held =
           static_cast<int>(std::lround(static_cast<double>(log_odds_[i]) / OccupancyField::kNatsPerUnit));
       tree.Set(
-          tree.KeyAt(grid_.frame().CenterOf(i)),
+          tree.KeyAt(frame().CenterOf(i)),
           static_cast<int8_t>(std::clamp(held == 0 ? 1 : held, OccupancyField::kMin, OccupancyField::kMax)));
     }
     WriteMap(directory / "map.atlas", tree);
@@ -67,6 +78,8 @@ class DenseGridMapper : public Mapper {
   }
 
  private:
+  const GridFrame& frame() const { return shared_.Read().frame(); }
+
   enum Mark : uint8_t { kUntouched, kFreeMark, kHitMark };
 
   void Touch(size_t index, Mark mark) {
@@ -74,16 +87,25 @@ class DenseGridMapper : public Mapper {
     mark_[index] = std::max(mark_[index], static_cast<uint8_t>(mark));
   }
 
-  void MarkHits(const UndistortedSpin& spin) {
+  void MarkHits(const UndistortedSpin& spin, DenseGrid* grid) {
     for (const MapRay& ray : spin.hits) {
       if (ray.range_m > static_cast<float>(params_.integrator.max_range_m)) continue;
       const Vec3 direction = ray.direction_map.cast<double>();
       const Vec3 end = ray.origin_map.cast<double>() + static_cast<double>(ray.range_m) * direction;
-      const int64_t index = grid_.frame().IndexAt(end);
+      const int64_t index = frame().IndexAt(end);
       if (index < 0 || mark_[static_cast<size_t>(index)] == kHitMark) continue;
       Touch(static_cast<size_t>(index), kHitMark);
-      MarkBehindSurface(grid_.frame(), end, direction, params_.behind_surface_m,
-                        [this](size_t i, int value) { grid_.SetBehindSurface(i, value); });
+      if (behind_surface_) MarkBehind(end, direction, grid);
+    }
+  }
+
+  /// The voxels that lie delta steps behind a hit, with D - delta (Isler 2016; D = 2 depth / resolution).
+  void MarkBehind(const Vec3& end, const Vec3& direction, DenseGrid* grid) const {
+    const int depth = static_cast<int>(std::round(params_.behind_surface_m / params_.resolution_m));
+    for (int delta = 1; delta <= depth; ++delta) {
+      const int64_t index = frame().IndexAt(end + delta * params_.resolution_m * direction);
+      if (index < 0) return;
+      grid->SetBehindSurface(static_cast<size_t>(index), 2 * depth - delta);
     }
   }
 
@@ -98,10 +120,9 @@ class DenseGridMapper : public Mapper {
   /// Rays of a spin that leave the region (or end) in the same voxel cross the same voxels, but for a few:
   /// the first one speaks for all, as in the library's discretised insertion.
   bool FirstToEndThere(const Vec3& origin, const Vec3& direction, double range_m) {
-    const auto span = grid_.region().Clip(origin, direction);
+    const auto span = frame().box().Clip(origin, direction);
     if (!span || span->first >= range_m) return false;
-    const int64_t index =
-        grid_.frame().IndexAt(origin + (std::min(span->second, range_m) - 1e-6) * direction);
+    const int64_t index = frame().IndexAt(origin + (std::min(span->second, range_m) - 1e-6) * direction);
     if (index < 0) return true;
     uint32_t& spin = ended_[static_cast<size_t>(index)];
     if (spin == spin_) return false;
@@ -111,32 +132,34 @@ class DenseGridMapper : public Mapper {
 
   void MarkFreeAlong(const MapRay& ray, double range_m) {
     if (!FirstToEndThere(ray.origin_map.cast<double>(), ray.direction_map.cast<double>(), range_m)) return;
-    grid_.frame().Walk(ray.origin_map.cast<double>(), ray.direction_map.cast<double>(), range_m,
-                       [&](size_t index, double, double) {
-                         if (mark_[index] == kUntouched) {
-                           mark_[index] = kFreeMark;
-                           touched_.push_back(index);
-                         }
-                         return true;
-                       });
+    frame().Walk(ray.origin_map.cast<double>(), ray.direction_map.cast<double>(), range_m,
+                 [&](size_t index, double, double) {
+                   if (mark_[index] == kUntouched) {
+                     mark_[index] = kFreeMark;
+                     touched_.push_back(index);
+                   }
+                   return true;
+                 });
   }
 
-  void ApplyMarks() {
+  void ApplyMarks(DenseGrid* grid) {
     for (const size_t index : touched_) {
       const float update = mark_[index] == kHitMark ? hit_ : miss_;
       mark_[index] = kUntouched;
-      const bool measured = grid_.Measured(index);
+      const bool measured = grid->Measured(index);
       const float value = std::clamp(log_odds_[index] + update, clamp_min_, clamp_max_);
       if (measured && value == log_odds_[index]) continue;
       log_odds_[index] = value;
-      grid_.SetLogOdds(index, value);
+      grid->SetLogOdds(index, value);
     }
     touched_.clear();
   }
 
   MapperParams params_;
-  OnDemand blocks_;         ///< of the grid: what it finds of its voxels when it is asked for
-  mutable DenseGrid grid_;  ///< holds the log-odds in steps, for the view
+  mutable CopyOnWrite<DenseGrid> shared_;  ///< holds the log-odds in steps, for views
+  mutable std::mutex mutex_;               ///< of what a snapshot finds of the voxels when it is asked for
+  mutable bool stale_ = false;
+  bool behind_surface_;
   std::vector<float> log_odds_;
   std::vector<uint8_t> mark_;
   std::vector<uint32_t> ended_;  ///< the last spin whose ray ended in this voxel
@@ -148,9 +171,8 @@ class DenseGridMapper : public Mapper {
 
 }  // namespace
 
-std::unique_ptr<Mapper> BuildDenseGridMapper(const MapperParams& params, const core::Box3& object_box,
-                                             const std::optional<core::LidarModel>&) {
-  return std::make_unique<DenseGridMapper>(params, object_box);
+std::unique_ptr<Map> BuildDenseGridMap(const MapperParams& params, const MapSetup& setup) {
+  return std::make_unique<DenseGridMap>(params, setup);
 }
 
 }  // namespace atlas::mapping

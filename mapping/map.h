@@ -1,4 +1,4 @@
-// The mapper seam: anchored revolutions in, an occupancy view out.
+// The map seam: anchored revolutions in, snapshots out.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 #include "core/lidar_model.h"
 #include "core/params.h"
 #include "mapping/integrator/integrator.h"
-#include "mapping/occupancy_view.h"
+#include "mapping/map_view.h"
 
 namespace atlas::mapping {
 
@@ -35,15 +35,23 @@ struct MapperParams {
   static IntegratorParams SweepDefaults();
 };
 
-class Mapper {
+/// What a map is made for.
+struct MapSetup {
+  std::optional<core::LidarModel> lidar = {};  ///< that the spins come from; absent where that is not known
+  /// Nothing is kept outside; absent: all is kept.
+  std::optional<core::Box3> keep_map = {};
+  bool behind_surface = false;  ///< keep how far behind a hit unmeasured voxels lie (proximity count)
+};
+
+class Map {
  public:
-  virtual ~Mapper() = default;
+  virtual ~Map() = default;
   /// Integrates one revolution, where `poses` puts it.
   virtual void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) = 0;
-  /// Up to date with the last Integrate(). Between two calls of Integrate(), view(), queries on it and
-  /// MapBytes() may be called by several threads at a time.
-  virtual const OccupancyView& view() const = 0;
-  virtual size_t MapBytes() const = 0;
+  /// The map as it is, for as long as it is held. A snapshot costs nothing while it is let go before the next
+  /// Integrate(), and a copy of the map where it is not.
+  virtual std::shared_ptr<const MapView> Snapshot() const = 0;
+  virtual size_t Bytes() const = 0;
   /// Writes the map in the backend's own format; returns the file's name.
   virtual std::string Save(const std::filesystem::path& directory) const = 0;
 };
@@ -51,17 +59,14 @@ class Mapper {
 struct CatalogEntry {
   std::string name;
   std::string doc;
-  std::unique_ptr<Mapper> (*build)(const MapperParams&, const core::Box3& object_box,
-                                   const std::optional<core::LidarModel>& lidar);
+  std::unique_ptr<Map> (*build)(const MapperParams&, const MapSetup& setup);
 };
 const std::vector<CatalogEntry>& Catalog();
 
-/// `lidar` made the spins that the mapper will see; absent where that is not known. @throws InputError for an
-/// unknown name.
-std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
-                                   const std::optional<core::LidarModel>& lidar = {});
+/// @throws InputError for an unknown name.
+std::unique_ptr<Map> MakeMap(const MapperParams& params, const MapSetup& setup);
 
-/// Where the map is kept: the object box grown by region_margin_m, out to whole voxels.
+/// An object's box grown by region_margin_m, out to whole voxels: what a map of the object keeps.
 core::Box3 RegionOf(const MapperParams& params, const core::Box3& object_box);
 
 }  // namespace atlas::mapping

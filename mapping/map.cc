@@ -1,10 +1,9 @@
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 
 #include "core/errors.h"
-#include "mapping/backends/dense_grid_mapper.h"
-#include "mapping/backends/octomap_mapper.h"
-#include "mapping/backends/se_atlas_mapper.h"
-#include "mapping/grid/dense_grid.h"
+#include "mapping/backends/dense_grid_map.h"
+#include "mapping/backends/octomap_map.h"
+#include "mapping/backends/se_atlas_map.h"
 
 namespace atlas::mapping {
 
@@ -63,14 +62,15 @@ const std::vector<CatalogEntry>& Catalog() {
 }
 
 core::Box3 RegionOf(const MapperParams& params, const core::Box3& object_box) {
-  return GridFrame(object_box.Inflated(params.region_margin_m), params.resolution_m).box();
+  const core::Box3 grown = object_box.Inflated(params.region_margin_m);
+  const double voxel_m = params.resolution_m;
+  return {(grown.min / voxel_m).array().floor() * voxel_m, (grown.max / voxel_m).array().ceil() * voxel_m};
 }
 
-std::unique_ptr<Mapper> MakeMapper(const MapperParams& params, const core::Box3& object_box,
-                                   const std::optional<core::LidarModel>& lidar) {
+std::unique_ptr<Map> MakeMap(const MapperParams& params, const MapSetup& setup) {
   std::vector<std::string> names;
   for (const CatalogEntry& entry : Catalog()) {
-    if (entry.name == params.name) return entry.build(params, object_box, lidar);
+    if (entry.name == params.name) return entry.build(params, setup);
     names.push_back(entry.name);
   }
   throw core::InputError(core::UnknownName("mapper", params.name, names));

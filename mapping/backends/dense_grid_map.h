@@ -3,14 +3,14 @@
 
 #include <memory>
 
-#include "mapping/mapper.h"
+#include "mapping/map.h"
 
 namespace atlas::mapping {
 
 /// OctoMap's update rule (each voxel once a revolution, hits before misses) on an array over the object's
 /// region: many times faster than a tree, at the price of the whole region's memory. Of the rays that end in
 /// one voxel the first is traced.
-std::unique_ptr<Mapper> BuildDenseGridMapper(const MapperParams& params, const core::Box3& object_box,
-                                             const std::optional<core::LidarModel>& lidar);
+/// @throws InputError without a box to keep.
+std::unique_ptr<Map> BuildDenseGridMap(const MapperParams& params, const MapSetup& setup);
 
 }  // namespace atlas::mapping
