@@ -77,7 +77,7 @@ std::string PlannerDecides(const ExperimentConfig& config) {
   planner::RobotModel robot;
   robot.sensor.lidar = core::FindLidarModel("vlp16");
   robot.sensor.T_base_lidar.translation().z() = 0.25;
-  const auto nbv = MakeNbvPlanner(config.planner, robot, kObject, 1, core::Rng(1));
+  const auto nbv = MakeNbvPlanner(config.planner, robot, {kObject, kObject.Inflated(0.5)}, 1, core::Rng(1));
   const mapping::DenseGrid map = NearSideMapped();
   tests::FlatGround ground = Rooms();
   Pose T_map_base = core::PoseFromXyzYaw(Vec3(kStart.x(), kStart.y(), 0.44), 0.0);

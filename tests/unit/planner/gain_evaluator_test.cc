@@ -134,7 +134,7 @@ TEST(ViewEvaluator, RankingAgreesWithTenTimesDenserRays) {
 
 TEST(ViewEvaluator, ABroadsideHeadingSeesMoreOfATallBoxThanABowOnOne) {
   const Box3 tall{Vec3(-1.0, -1.0, 0.0), Vec3(1.0, 1.0, 4.0)};
-  const ViewEvaluator evaluator(Sensor(), tall, {{"unknown_volume"}, 2000, 20.0});
+  const ViewEvaluator evaluator(Sensor(), {tall, tall.Inflated(0.5)}, {{"unknown_volume"}, 2000, 20.0});
   const auto unknown = MakeMap(tall.Inflated(0.5), 0.1, [](const Vec3&) { return 0.5; });
   const ViewNode node{Vec3(0.0, -4.0, 0.0), {0.0, 0.5 * core::kPi}};
   const auto views = evaluator.Evaluate(unknown, {node}, 1);
