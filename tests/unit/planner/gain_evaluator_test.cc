@@ -144,14 +144,20 @@ TEST(ViewEvaluator, ABroadsideHeadingSeesMoreOfATallBoxThanABowOnOne) {
 /// The whole prediction once more by plain means: every direction traced through the brute-force map and
 /// added up by the gain itself.
 TEST(ViewEvaluator, EqualsAddingUpRaysOfABruteForceTrace) {
-  tests::VoxelWorld world(kObjectBox.Inflated(0.5), 0.25);
+  // The same twice: the world tells every voxel by itself, the grid joins what the gains let it join.
+  mapping::DenseGrid grid(kTarget.seen_box, 0.25);
+  tests::VoxelWorld world(grid.region(), 0.25);
   core::Rng rng(4);
-  world.Fill([&rng](const Vec3&) {
-    return rng.UniformInt(12) == 0 ? 0.95f : rng.UniformInt(2) ? 0.5f : 0.13f;
-  });
+  for (size_t i = 0; i < grid.frame().count(); ++i) {
+    if (rng.UniformInt(2) == 0) continue;
+    const float log_odds = rng.UniformInt(6) == 0 ? 2.9f : rng.UniformInt(2) ? -1.9f : -2.0f;
+    grid.SetLogOdds(i, log_odds);
+    world.Set(grid.frame().CenterOf(i), 1.0f / (1.0f + std::exp(-log_odds)));
+  }
+  grid.FinishUpdate();
   const ViewNode node{Vec3(3.0, -3.0, 0.0), {0.7}};
   const ViewEvaluator evaluator(Sensor(), kTarget, {GainNames(), 400, 20.0});
-  const auto view = evaluator.Evaluate(world, {node}, 1)[0][0];
+  const auto view = evaluator.Evaluate(grid, {node}, 1)[0][0];
   const Vec3 origin = node.ground_map + Vec3(0.0, 0.0, 0.44 + 0.25);
   for (size_t g = 0; g < GainNames().size(); ++g) {
     const auto gain = FindGain(GainNames()[g]).build(0.25);
@@ -165,7 +171,10 @@ TEST(ViewEvaluator, EqualsAddingUpRaysOfABruteForceTrace) {
       gain->AddRay(samples, end, weight);
     }
     const double expected = gain->FinishView();
-    EXPECT_NEAR(view.gain[g], expected, 1e-9 * (1.0 + expected)) << GainNames()[g];
+    const ViewEvaluator alone(Sensor(), kTarget, {{GainNames()[g]}, 400, 20.0});
+    const double by_itself = alone.Evaluate(grid, {node}, 1)[0][0].gain[0];
+    EXPECT_NEAR(view.gain[g], expected, 1e-5 * (1.0 + expected)) << GainNames()[g];
+    EXPECT_NEAR(by_itself, expected, 1e-5 * (1.0 + expected)) << GainNames()[g];
   }
 }
 
