@@ -14,7 +14,7 @@ using core::Vec3;
 using core::Vec3f;
 
 const core::Box3 kRoom{Vec3(-2.0, -2.0, 0.0), Vec3(2.0, 2.0, 2.4)};
-const core::Box3 kRegion = RegionOf(MapperParams{}, {Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)});
+const core::Box3 kRoomRegion = RegionOf(MapperParams{}, {Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)});
 
 /// A VLP-16 that rolls from +40 to -40 degrees and back in a room: ranges in closed form, each ray from where
 /// the sensor is at its own time.
@@ -59,7 +59,7 @@ std::unique_ptr<Map> Make(const std::string& name) {
   MapperParams params;
   params.name = name;
   return MakeMap(params,
-                 {.lidar = core::FindLidarModel("vlp16"), .keep_map = kRegion, .behind_surface = true});
+                 {.lidar = core::FindLidarModel("vlp16"), .keep_map = kRoomRegion, .behind_surface = true});
 }
 
 struct Counts {
@@ -67,7 +67,7 @@ struct Counts {
 };
 Counts CountStates(const MapView& view) {
   Counts n;
-  const core::Box3& region = kRegion;
+  const core::Box3& region = kRoomRegion;
   for (double x = region.min.x() + 0.025; x < region.max.x(); x += 0.05) {
     for (double y = region.min.y() + 0.025; y < region.max.y(); y += 0.05) {
       for (double z = region.min.z() + 0.025; z < region.max.z(); z += 0.05) {
@@ -106,13 +106,14 @@ TEST(SeAtlasMap, ViewIsTheSameWhenItIsReadAfterEverySpinOrOnce) {
     tests::Integrate(spin, sweep.T_map_odom, often.get());
     held.push_back(often->Snapshot());
   }
-  EXPECT_TRUE(OccupiedCenters(*once->Snapshot(), kRegion) == OccupiedCenters(*often->Snapshot(), kRegion));
+  EXPECT_TRUE(OccupiedCenters(*once->Snapshot(), kRoomRegion) ==
+              OccupiedCenters(*often->Snapshot(), kRoomRegion));
   core::Rng rng(5);
   std::vector<RaySample> a, b;
   for (int trial = 0; trial < 300; ++trial) {
     const Vec3 direction = Vec3(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
-    once->Snapshot()->Trace(Vec3(0.1, 0.2, 1.0), direction, {.box_map = kRegion}, &a);
-    often->Snapshot()->Trace(Vec3(0.1, 0.2, 1.0), direction, {.box_map = kRegion}, &b);
+    once->Snapshot()->Trace(Vec3(0.1, 0.2, 1.0), direction, {.box_map = kRoomRegion}, &a);
+    often->Snapshot()->Trace(Vec3(0.1, 0.2, 1.0), direction, {.box_map = kRoomRegion}, &b);
     ASSERT_EQ(a.size(), b.size());
     for (size_t i = 0; i < a.size(); ++i) {
       EXPECT_EQ(a[i].occupancy, b[i].occupancy);
@@ -128,7 +129,7 @@ TEST(SeAtlasMap, BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls) {
   int marked = 0;
   // From outside through the wall: what lies behind it was never measured.
   for (double y = -1.0; y < 1.0; y += 0.1) {
-    atlas->Snapshot()->Trace(Vec3(4.0, y, 1.0), -Vec3::UnitX(), {.box_map = kRegion}, &samples);
+    atlas->Snapshot()->Trace(Vec3(4.0, y, 1.0), -Vec3::UnitX(), {.box_map = kRoomRegion}, &samples);
     for (const RaySample& s : samples) {
       marked += s.behind_surface > 0.0f;
       EXPECT_TRUE(s.behind_surface == 0.0f || s.occupancy == 0.5f);
@@ -147,7 +148,7 @@ TEST(SeAtlasMap, SavedMapReadsBackWithTheSameOccupiedVoxels) {
   EXPECT_EQ(file, "map.atlas");
   const AnyOctree read = ReadMap(dir / file);
   const auto& tree = std::get<OccupancyOctree>(read);
-  const auto centers = OccupiedCenters(*atlas->Snapshot(), kRegion);
+  const auto centers = OccupiedCenters(*atlas->Snapshot(), kRoomRegion);
   ASSERT_GT(centers.size(), 1000u);
   for (const Vec3f& c : centers) {
     EXPECT_TRUE(OccupancyField::Occupied(tree.At(Vec3(c.cast<double>()))));
