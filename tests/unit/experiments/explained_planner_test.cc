@@ -146,7 +146,8 @@ TEST_F(ExplainedPlanner, OfTheThesisAct) {
   settings["planner.max_range_m"] = {{}, "2.5"};
   settings["planner.stop_utility"] = {{}, "1e6"};
   settings["planner.blocked_share"] = {{"planner.stop_utility=1e6"}, "0.5"};
-  settings["planner.commit_margin"] = {{"planner.nodes=60", "planner.behind_penalty=0.9"}, "10"};
+  settings["planner.commit_margin"] = {
+      {"planner.nodes=20", "planner.stop_utility=0", "planner.gain=unknown_volume"}, "10"};
   std::vector<std::string> context = kSmall;
   context.insert(context.begin(), "planner=thesis");
   probe_.SeeNothingElseAct(context);
