@@ -98,4 +98,23 @@ std::string FileNameFrom(std::string_view text) {
   return name == text ? name : fmt::format("{}-{:08x}", name, HashOf(text));
 }
 
+std::string ShellQuoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-./=:,+%@") == std::string::npos;
+  if (plain) return word;
+  const bool one_line = !HasControlCharacters(word);
+  std::string quoted = one_line ? "'" : "$'";  // of bash: \x0a for a line end, so that a line stays one
+  for (const char c : word) {
+    if (one_line) {
+      quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    } else if (c >= ' ' && c <= '~' && c != '\'' && c != '\\') {
+      quoted += c;
+    } else {
+      quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    }
+  }
+  return quoted + "'";
+}
+
 }  // namespace atlas::core

@@ -25,4 +25,7 @@ void RefuseControlCharacters(std::string_view text, const std::string& what);
 /// digits of a hash follow, so that different texts keep different names.
 std::string FileNameFrom(std::string_view text);
 
+/// `word` on one line, so that bash reads it back unchanged; without control characters, any POSIX shell.
+std::string ShellQuoted(const std::string& word);
+
 }  // namespace atlas::core

@@ -5,7 +5,7 @@
 #include "core/safe_text.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/process.h"
-#include "experiments/version.h"
+#include "experiments/identity/version.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <numeric>
 
-#include "experiments/stopwatch.h"
+#include "core/stopwatch.h"
 #include "mapping/backends/octomap_peer.h"
 
 namespace atlas::experiments {
@@ -108,7 +108,7 @@ bool Hopeless(const MapperCourse& course, const MapperBenchOptions& options) {
 void IntegrateTimed(const core::SpinEvent& spin, Subject* subject, MapperCourse* course) {
   subject->Prepare(spin);
   const size_t resident = ResidentBytes();
-  const Stopwatch wall;
+  const core::Stopwatch wall;
   const double cpu = ProcessCpuSeconds();
   subject->Integrate(spin);
   course->cpu_ms.push_back(1e3 * (ProcessCpuSeconds() - cpu));

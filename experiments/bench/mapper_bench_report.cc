@@ -4,9 +4,9 @@
 
 #include "core/files.h"
 #include "experiments/bench/mapper_bench.h"
-#include "experiments/metrics/statistics.h"
-#include "experiments/report/svg_plot.h"
 #include "experiments/report/text_table.h"
+#include "experiments/results/statistics.h"
+#include "experiments/results/svg_plot.h"
 
 namespace atlas::experiments {
 namespace {

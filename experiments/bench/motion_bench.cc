@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "core/files.h"
-#include "experiments/metrics/point_grid.h"
-#include "experiments/metrics/scene_surface.h"
-#include "experiments/metrics/statistics.h"
+#include "experiments/judge/point_grid.h"
+#include "experiments/judge/scene_surface.h"
 #include "experiments/report/text_table.h"
+#include "experiments/results/statistics.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/meshing/marching_cubes.h"
 #include "scenes/catalog.h"

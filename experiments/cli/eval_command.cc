@@ -9,7 +9,7 @@
 #include "core/ply_format.h"
 #include "experiments/cli/map_commands.h"
 #include "experiments/cli/progress_bar.h"
-#include "experiments/metrics/surface_score.h"
+#include "experiments/judge/surface_score.h"
 #include "experiments/report/text_table.h"
 #include "mapping/io/map_file.h"
 #include "mapping/io/recorded_cloud.h"

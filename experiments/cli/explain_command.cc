@@ -8,7 +8,7 @@
 #include "experiments/cli/camera_note.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/map_commands.h"
-#include "experiments/experiment_config.h"
+#include "experiments/identity/experiment_config.h"
 
 namespace atlas::experiments {
 namespace {

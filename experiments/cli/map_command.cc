@@ -7,16 +7,16 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/resource_use.h"
 #include "core/safe_text.h"
+#include "core/stopwatch.h"
+#include "experiments/cli/interrupt.h"
 #include "experiments/cli/map_commands.h"
 #include "experiments/cli/progress_bar.h"
-#include "experiments/interrupt.h"
 #include "experiments/mapping_tools/offline_map.h"
-#include "experiments/metrics/statistics.h"
 #include "experiments/report/text_table.h"
-#include "experiments/resource_use.h"
-#include "experiments/run_folder.h"
-#include "experiments/stopwatch.h"
+#include "experiments/results/run_folder.h"
+#include "experiments/results/statistics.h"
 #include "mapping/meshing/marching_cubes.h"
 
 namespace atlas::experiments {
@@ -94,10 +94,10 @@ void Integrate(const MapArguments& arguments, const mapping::RecordedLog& log, c
       if (outcome.unreadable++ == 0) outcome.first_error = error.what();
       continue;
     }
-    const double cpu_s = CpuSeconds();
-    const Stopwatch watch;
+    const double cpu_s = core::CpuSeconds();
+    const core::Stopwatch watch;
     mapper->Add(spin, T_map_odom);
-    outcome.cpu_ms.push_back(1e3 * (CpuSeconds() - cpu_s));
+    outcome.cpu_ms.push_back(1e3 * (core::CpuSeconds() - cpu_s));
     outcome.wall_ms.push_back(1e3 * watch.seconds());
     outcome.rays += spin.scan.size();
     ++outcome.scans;
@@ -164,7 +164,7 @@ TextTable OutcomeTable(const MapOutcome& outcome, const mapping::RecordedLog& lo
   row("wall ms a scan, mean", fmt::format("{:.1f}", MeanOf(outcome.wall_ms)));
   row("map in memory, MB", fmt::format("{:.2f}", static_cast<double>(mapper.MapBytes()) / 1e6));
   row("map.atlas, MB", fmt::format("{:.2f}", static_cast<double>(BytesOf(folder / "map.atlas")) / 1e6));
-  row("peak memory, MB", fmt::format("{:.1f}", PeakResidentBytes() / 1e6));
+  row("peak memory, MB", fmt::format("{:.1f}", core::PeakResidentBytes() / 1e6));
   row("free, m3", fmt::format("{:.2f}", volume.free_m3));
   row("occupied, m3", fmt::format("{:.3f}", volume.occupied_m3));
   return table;
@@ -193,7 +193,7 @@ void WriteSummary(const fs::path& folder, const MapArguments& arguments, const O
                                  {"integration_ms_p95", Percentile(outcome.wall_ms, 0.95)},
                                  {"map_bytes", mapper.MapBytes()},
                                  {"map_file_bytes", BytesOf(folder / "map.atlas")},
-                                 {"peak_rss_bytes", static_cast<uint64_t>(PeakResidentBytes())},
+                                 {"peak_rss_bytes", static_cast<uint64_t>(core::PeakResidentBytes())},
                                  {"free_m3", volume.free_m3},
                                  {"occupied_m3", volume.occupied_m3}};
   if (outcome.broken) json["error"] = outcome.why_broken;

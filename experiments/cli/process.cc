@@ -8,7 +8,7 @@
 
 #include "core/errors.h"
 #include "core/safe_text.h"
-#include "experiments/interrupt.h"
+#include "experiments/cli/interrupt.h"
 
 namespace atlas::experiments {
 namespace {

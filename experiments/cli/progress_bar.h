@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "core/stopwatch.h"
 #include "experiments/cli/progress_line.h"
-#include "experiments/stopwatch.h"
 
 namespace atlas::experiments {
 
@@ -21,7 +21,7 @@ class ProgressBar {
   std::string task_;
   size_t total_;
   double shown_at_s_ = -1.0;
-  Stopwatch watch_;
+  core::Stopwatch watch_;
   ProgressLine line_;
 };
 

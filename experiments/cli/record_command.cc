@@ -3,11 +3,11 @@
 #include <iostream>
 
 #include "core/errors.h"
+#include "core/stopwatch.h"
 #include "experiments/cli/commands.h"
+#include "experiments/cli/interrupt.h"
 #include "experiments/cli/progress_line.h"
-#include "experiments/interrupt.h"
 #include "experiments/record/dataset_writer.h"
-#include "experiments/stopwatch.h"
 
 namespace atlas::experiments {
 namespace {
@@ -40,7 +40,7 @@ int RecordCommand(const RecordArguments& arguments) {
   const double spacing_m = arguments.truth_spacing_m.value_or(recorder.scene().truth_spacing_m);
   StopInOrderOnSignal();
   ProgressLine line;
-  const Stopwatch wall;
+  const core::Stopwatch wall;
   const DatasetCounts counts = WriteDataset(&recorder, folder, spacing_m, [&](size_t done, size_t all) {
     const bool last = done == all;
     line.Show(fmt::format("scan {}/{}  {:3.0f} %{}", done, all,

@@ -4,11 +4,11 @@
 
 #include "core/safe_text.h"
 #include "experiments/cli/commands.h"
+#include "experiments/cli/interrupt.h"
 #include "experiments/cli/progress_line.h"
-#include "experiments/closed_loop.h"
-#include "experiments/interrupt.h"
+#include "experiments/mission/closed_loop.h"
 #include "experiments/report/tables.h"
-#include "experiments/run_folder.h"
+#include "experiments/results/run_folder.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;

@@ -9,7 +9,7 @@
 #include "core/errors.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/cli/commands.h"
-#include "experiments/experiment_config.h"
+#include "experiments/identity/experiment_config.h"
 
 namespace atlas::experiments {
 namespace {

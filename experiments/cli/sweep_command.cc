@@ -3,11 +3,12 @@
 
 #include <iostream>
 
+#include "core/safe_text.h"
 #include "experiments/cli/commands.h"
-#include "experiments/experiment_config.h"
-#include "experiments/interrupt.h"
+#include "experiments/cli/interrupt.h"
+#include "experiments/identity/experiment_config.h"
+#include "experiments/identity/run_identity.h"
 #include "experiments/report/report.h"
-#include "experiments/run_identity.h"
 #include "experiments/sweep/slurm.h"
 #include "experiments/sweep/sweep.h"
 
@@ -19,9 +20,9 @@ int SweepCommand(const SweepArguments& arguments) {
   options.threads = arguments.threads;
   options.out = arguments.out;
   options.slurm = arguments.slurm;
-  options.command = fmt::format("./atlas sweep {}", ShellQuoted(arguments.name));
+  options.command = fmt::format("./atlas sweep {}", core::ShellQuoted(arguments.name));
   if (!arguments.out.empty())
-    options.command += fmt::format(" --out {}", ShellQuoted(arguments.out.string()));
+    options.command += fmt::format(" --out {}", core::ShellQuoted(arguments.out.string()));
   if (arguments.keep_stale) options.command += " --keep-stale";
   options.terminal = isatty(STDOUT_FILENO) == 1;
   options.should_stop = Interrupted;

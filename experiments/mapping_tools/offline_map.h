@@ -10,9 +10,9 @@
 #include "core/mesh.h"
 #include "core/params.h"
 #include "core/sensor_events.h"
+#include "mapping/cloud/voxel_filter.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/io/map_file.h"
-#include "mapping/cloud/voxel_filter.h"
 
 namespace atlas::experiments {
 

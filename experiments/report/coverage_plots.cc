@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "experiments/metrics/statistics.h"
 #include "experiments/report/report.h"
+#include "experiments/results/statistics.h"
 
 namespace atlas::experiments {
 namespace {

@@ -9,7 +9,6 @@
 #include "core/files.h"
 #include "core/safe_text.h"
 #include "experiments/report/tables.h"
-#include "experiments/sweep/slurm.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;
@@ -40,8 +39,8 @@ std::vector<fs::path> RunFoldersBelow(const fs::path& root) {
 
 std::string CommandOf(const std::vector<fs::path>& folders, const fs::path& out) {
   std::string command = "./atlas report";
-  for (const fs::path& folder : folders) command += fmt::format(" {}", ShellQuoted(folder.string()));
-  return out.empty() ? command : fmt::format("{} --out {}", command, ShellQuoted(out.string()));
+  for (const fs::path& folder : folders) command += fmt::format(" {}", core::ShellQuoted(folder.string()));
+  return out.empty() ? command : fmt::format("{} --out {}", command, core::ShellQuoted(out.string()));
 }
 
 void WritePlots(const std::vector<RunGroup>& groups, const fs::path& folder) {

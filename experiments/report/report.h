@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "experiments/report/run_groups.h"
-#include "experiments/report/svg_plot.h"
+#include "experiments/results/svg_plot.h"
 
 namespace atlas::experiments {
 

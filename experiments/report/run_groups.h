@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "experiments/metrics/run_recorder.h"
-#include "experiments/metrics/run_summary.h"
-#include "experiments/metrics/statistics.h"
-#include "experiments/run_settings.h"
+#include "experiments/identity/run_settings.h"
+#include "experiments/results/run_recorder.h"
+#include "experiments/results/run_summary.h"
+#include "experiments/results/statistics.h"
 
 namespace atlas::experiments {
 

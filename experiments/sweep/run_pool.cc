@@ -11,7 +11,7 @@
 #include "core/safe_text.h"
 #include "core/text_lines.h"
 #include "experiments/report/tables.h"
-#include "experiments/run_folder.h"
+#include "experiments/results/run_folder.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;

@@ -44,29 +44,11 @@ std::string BatchScript(const SweepSpec& spec, size_t runs, const SweepOptions& 
       "cd {}\n"
       "eval \"$(sed -n \"${{SLURM_ARRAY_TASK_ID}}p\" {})\"\n",
       core::FileNameFrom(spec.name), runs, at_once, options.threads, std::ceil(LimitOf(spec) / 60.0),
-      ShellQuoted(fs::current_path().string()), ShellQuoted((fs::absolute(folder) / "runs.txt").string()));
+      core::ShellQuoted(fs::current_path().string()),
+      core::ShellQuoted((fs::absolute(folder) / "runs.txt").string()));
 }
 
 }  // namespace
-
-std::string ShellQuoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_-./=:,+%@") == std::string::npos;
-  if (plain) return word;
-  const bool one_line = !core::HasControlCharacters(word);
-  std::string quoted = one_line ? "'" : "$'";  // of bash: \x0a for a line end, so that a line stays one
-  for (const char c : word) {
-    if (one_line) {
-      quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    } else if (c >= ' ' && c <= '~' && c != '\'' && c != '\\') {
-      quoted += c;
-    } else {
-      quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-    }
-  }
-  return quoted + "'";
-}
 
 int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, const SweepOptions& options,
                   const fs::path& folder, std::ostream& out) {
@@ -77,9 +59,9 @@ int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, cons
     fs::create_directories(run.folder);
     ClaimLeftovers(run);
     std::string line;
-    for (const std::string& word : CommandOf(run, remote)) line += ShellQuoted(word) + " ";
-    const std::string log = ShellQuoted((run.folder / kConsoleLog).string()),
-                      code = ShellQuoted((run.folder / kExitCodeFile).string());
+    for (const std::string& word : CommandOf(run, remote)) line += core::ShellQuoted(word) + " ";
+    const std::string log = core::ShellQuoted((run.folder / kConsoleLog).string()),
+                      code = core::ShellQuoted((run.folder / kExitCodeFile).string());
     lines += fmt::format("rm -f -- {0}; {1}> {2} 2>&1 || echo $? > {0}\n", code, line, log);
   }
   const fs::path script = folder / "sweep.sbatch";
@@ -90,7 +72,7 @@ int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, cons
   const fs::path sbatch = FindOnPath("sbatch");
   if (sbatch.empty()) {
     out << fmt::format("sbatch is not installed here; on the cluster: sbatch {}\n",
-                       ShellQuoted(script.string()));
+                       core::ShellQuoted(script.string()));
     return 0;
   }
   const fs::path log = folder / "sbatch.log";
@@ -104,8 +86,8 @@ int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, cons
     out << fmt::format("sbatch failed with code {}\n", end->code);
     return 1;
   }
-  out << fmt::format("when it has ended: atlas sweep {} --out {}\n", ShellQuoted(spec.name),
-                     ShellQuoted(folder.string()));
+  out << fmt::format("when it has ended: atlas sweep {} --out {}\n", core::ShellQuoted(spec.name),
+                     core::ShellQuoted(folder.string()));
   return 0;
 }
 

@@ -15,7 +15,4 @@ namespace atlas::experiments {
 int SubmitToSlurm(const SweepSpec& spec, const std::vector<SweepRun>& runs, const SweepOptions& options,
                   const std::filesystem::path& folder, std::ostream& out);
 
-/// `word` on one line, so that bash reads it back unchanged; without control characters, any POSIX shell.
-std::string ShellQuoted(const std::string& word);
-
 }  // namespace atlas::experiments

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "core/errors.h"
-#include "experiments/run_settings.h"
+#include "experiments/identity/run_settings.h"
 #include "experiments/sweep/run_pool.h"
 
 namespace atlas::experiments {

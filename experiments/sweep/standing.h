@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/metrics/run_summary.h"
+#include "experiments/results/run_summary.h"
 #include "experiments/sweep/sweep_spec.h"
 
 namespace atlas::experiments {

@@ -11,7 +11,7 @@
 #include "core/named_files.h"
 #include "core/safe_text.h"
 #include "core/yaml_text.h"
-#include "experiments/experiment_config.h"
+#include "experiments/identity/experiment_config.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;

@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "experiments/run_identity.h"
+#include "experiments/identity/run_identity.h"
 
 namespace atlas::experiments {
 

@@ -9,8 +9,8 @@
 
 #include "core/errors.h"
 #include "core/files.h"
-#include "experiments/metrics/ground_plan.h"
-#include "experiments/metrics/run_recorder.h"
+#include "experiments/results/ground_plan.h"
+#include "experiments/results/run_recorder.h"
 #include "experiments/video/bitmap_font.h"
 
 namespace atlas::experiments {

@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "core/files.h"
-#include "experiments/experiment_config.h"
+#include "experiments/identity/experiment_config.h"
 #include "experiments/record/route.h"
 #include "experiments/sweep/sweep_spec.h"
 #include "experiments/video/run_recording.h"

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "experiments/experiment_config.h"
+#include "experiments/identity/experiment_config.h"
 
 namespace atlas::tests {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "experiments/metrics/run_summary.h"
+#include "experiments/results/run_summary.h"
 #include "experiments/report/text_table.h"
 
 namespace atlas::testing {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/files.h"
-#include "experiments/closed_loop.h"
+#include "experiments/mission/closed_loop.h"
 
 namespace atlas::tests {
 

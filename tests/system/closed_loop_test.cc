@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "core/files.h"
-#include "experiments/closed_loop.h"
-#include "experiments/metrics/run_recorder.h"
+#include "experiments/mission/closed_loop.h"
+#include "experiments/results/run_recorder.h"
 
 namespace atlas::experiments {
 namespace {

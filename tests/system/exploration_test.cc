@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "core/files.h"
-#include "experiments/closed_loop.h"
+#include "experiments/mission/closed_loop.h"
 
 namespace atlas::experiments {
 namespace {

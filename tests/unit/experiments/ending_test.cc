@@ -1,9 +1,9 @@
 // How missions end, as docs/runs.md says.
-#include "experiments/ending.h"
+#include "experiments/mission/ending.h"
 
 #include <gtest/gtest.h>
 
-#include "experiments/metrics/run_recorder.h"
+#include "experiments/results/run_recorder.h"
 
 namespace atlas::experiments {
 namespace {

@@ -1,4 +1,4 @@
-#include "experiments/metrics/attainable.h"
+#include "experiments/judge/attainable.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "core/files.h"
-#include "experiments/experiment_config.h"
-#include "experiments/metrics/attainable_cache.h"
-#include "experiments/metrics/sweep_aim.h"
+#include "experiments/identity/experiment_config.h"
+#include "experiments/judge/attainable_cache.h"
+#include "experiments/judge/sweep_aim.h"
 
 namespace atlas::experiments {
 namespace {

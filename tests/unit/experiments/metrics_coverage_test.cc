@@ -1,13 +1,13 @@
-#include "experiments/metrics/coverage.h"
+#include "experiments/judge/coverage.h"
 
 #include <gtest/gtest.h>
 
 #include <ctime>
 
 #include "core/rng.h"
-#include "experiments/metrics/align.h"
-#include "experiments/metrics/point_grid.h"
-#include "experiments/metrics/scene_surface.h"
+#include "experiments/judge/align.h"
+#include "experiments/judge/point_grid.h"
+#include "experiments/judge/scene_surface.h"
 
 namespace atlas::experiments {
 namespace {

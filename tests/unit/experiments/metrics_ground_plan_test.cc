@@ -1,4 +1,4 @@
-#include "experiments/metrics/ground_plan.h"
+#include "experiments/results/ground_plan.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

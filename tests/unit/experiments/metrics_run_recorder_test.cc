@@ -1,4 +1,4 @@
-#include "experiments/metrics/run_recorder.h"
+#include "experiments/results/run_recorder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The files that coverage was counted from, read by other eyes: a reader of this test's own and, where Python
 // has numpy, docs/recompute_coverage.py.
-#include "experiments/metrics/scored_files.h"
+#include "experiments/results/scored_files.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 #include "core/files.h"
 #include "core/rng.h"
-#include "experiments/metrics/coverage.h"
+#include "experiments/judge/coverage.h"
 
 namespace atlas::experiments {
 namespace {

@@ -1,6 +1,6 @@
 // What a mission is judged by, fed by hand: clouds whose coverage is known, counts that must reach their
 // columns.
-#include "experiments/mission_metrics.h"
+#include "experiments/judge/mission_metrics.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,8 +5,8 @@
 
 #include "core/errors.h"
 #include "core/files.h"
-#include "experiments/metrics/run_recorder.h"
 #include "experiments/report/report.h"
+#include "experiments/results/run_recorder.h"
 #include "tests/support/run_summaries.h"
 
 namespace atlas::experiments {

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "experiments/report/run_groups.h"
-#include "experiments/report/svg_plot.h"
 #include "experiments/report/thesis_anchors.h"
+#include "experiments/results/svg_plot.h"
 #include "tests/support/run_summaries.h"
 
 namespace atlas::experiments {

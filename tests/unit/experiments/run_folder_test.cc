@@ -1,4 +1,4 @@
-#include "experiments/run_folder.h"
+#include "experiments/results/run_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "core/errors.h"
 #include "core/files.h"
-#include "experiments/metrics/run_summary.h"
-#include "experiments/run_identity.h"
+#include "experiments/identity/run_identity.h"
+#include "experiments/results/run_summary.h"
 #include "scenes/catalog.h"
 
 namespace atlas::experiments {

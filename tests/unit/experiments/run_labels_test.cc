@@ -1,5 +1,5 @@
 // The words of summary and tables, spelt out by hand.
-#include "experiments/run_labels.h"
+#include "experiments/identity/run_labels.h"
 
 #include <gtest/gtest.h>
 

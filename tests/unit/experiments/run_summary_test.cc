@@ -1,4 +1,4 @@
-#include "experiments/metrics/run_summary.h"
+#include "experiments/results/run_summary.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Sensors to terrain and map: adopted after a fixed simulated latency, in batches, with any number of
 // threads.
-#include "experiments/sensor_feed.h"
+#include "experiments/mission/sensor_feed.h"
 
 #include <gtest/gtest.h>
 

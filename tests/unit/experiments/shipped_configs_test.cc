@@ -1,7 +1,7 @@
 // Every experiment that ships can be loaded, its values within their limits.
 #include <gtest/gtest.h>
 
-#include "experiments/experiment_config.h"
+#include "experiments/identity/experiment_config.h"
 #include "scenes/catalog.h"
 
 namespace atlas::experiments {

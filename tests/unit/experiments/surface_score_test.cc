@@ -1,4 +1,4 @@
-#include "experiments/metrics/surface_score.h"
+#include "experiments/judge/surface_score.h"
 
 #include <gtest/gtest.h>
 

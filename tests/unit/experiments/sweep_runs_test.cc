@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "core/safe_text.h"
 #include "experiments/sweep/slurm.h"
 
 namespace atlas::experiments {
@@ -342,9 +343,9 @@ TEST_F(SweepTest, SlurmGetsAnArrayOfPendingRuns) {
 }
 
 TEST(ShellQuoted, SurvivesSpacesAndQuotes) {
-  EXPECT_EQ(ShellQuoted("a.b=1"), "a.b=1");
-  EXPECT_EQ(ShellQuoted("it's $x"), "'it'\\''s $x'");
-  EXPECT_EQ(ShellQuoted(""), "''");
+  EXPECT_EQ(core::ShellQuoted("a.b=1"), "a.b=1");
+  EXPECT_EQ(core::ShellQuoted("it's $x"), "'it'\\''s $x'");
+  EXPECT_EQ(core::ShellQuoted(""), "''");
 }
 
 }  // namespace

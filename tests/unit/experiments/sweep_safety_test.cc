@@ -12,8 +12,9 @@
 
 #include "core/errors.h"
 #include "core/files.h"
-#include "experiments/experiment_config.h"
-#include "experiments/run_folder.h"
+#include "core/safe_text.h"
+#include "experiments/identity/experiment_config.h"
+#include "experiments/results/run_folder.h"
 #include "experiments/sweep/run_pool.h"
 #include "experiments/sweep/slurm.h"
 #include "experiments/sweep/sweep.h"
@@ -264,7 +265,7 @@ class SlurmScript : public SweepSafety {
     setenv("PATH", path.c_str(), 1);
     options_.slurm = false;
     const std::string command = "cd / && SLURM_ARRAY_TASK_ID=" + std::to_string(task) + " bash " +
-                                ShellQuoted((options_.out / "sweep.sbatch").string());
+                                core::ShellQuoted((options_.out / "sweep.sbatch").string());
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -298,11 +299,11 @@ TEST_F(SlurmScript, ATaskThatEndsOtherwiseThanItsSummarySaysDoesNotCount) {
 TEST(ShellQuoted, KeepsEveryByteOnOneLine) {
   std::string all;
   for (int c = 1; c < 256; ++c) all += static_cast<char>(c);
-  const std::string quoted = ShellQuoted(all);
+  const std::string quoted = core::ShellQuoted(all);
   EXPECT_EQ(quoted.find('\n'), std::string::npos);
   const fs::path script = fs::temp_directory_path() / ("atlas_quoted_" + std::to_string(getpid()));
-  core::WriteFileAtomically(script,
-                            "printf %s " + quoted + " > " + ShellQuoted(script.string() + ".out") + "\n");
+  core::WriteFileAtomically(
+      script, "printf %s " + quoted + " > " + core::ShellQuoted(script.string() + ".out") + "\n");
   ASSERT_EQ(std::system(("bash " + script.string()).c_str()), 0);
   EXPECT_EQ(core::ReadFile(script.string() + ".out"), all);
   fs::remove(script);

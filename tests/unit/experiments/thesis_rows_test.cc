@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/errors.h"
-#include "experiments/thesis_deviations.h"
+#include "experiments/identity/thesis_deviations.h"
 
 namespace atlas::experiments {
 namespace {

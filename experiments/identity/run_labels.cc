@@ -1,0 +1,27 @@
+#include "experiments/identity/run_labels.h"
+
+#include <fmt/format.h>
+
+namespace atlas::experiments {
+
+std::string LocalisationLabel(const mapping::LocalisationParams& localisation) {
+  if (localisation.name != "truth") return localisation.name;
+  return fmt::format("truth, {:g} mm {:g} deg, {:g} s", 1e3 * localisation.sigma_m, localisation.sigma_deg,
+                     localisation.period_s);
+}
+
+std::string OdometryLabel(const sim::OdometryParams& odometry) {
+  return fmt::format("random walk, {:g} mm {:g} deg after 1 m; height, roll and pitch true",
+                     1e3 * odometry.drift_xy_per_m, odometry.drift_yaw_deg_per_m);
+}
+
+std::string TerrainLabel(const sim::LocomotionParams& locomotion) {
+  return locomotion.name == "trot" ? locomotion.terrain : "truth";
+}
+
+std::string WorthLabel(const planner::NbvParams& planner) {
+  if (planner.name != "greedy" || planner.gain_share >= 1.0) return "";
+  return fmt::format("surface_frontier x {} ({:.0f} %)", planner.gain, 100.0 * planner.gain_share);
+}
+
+}  // namespace atlas::experiments

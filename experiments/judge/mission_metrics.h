@@ -1,0 +1,100 @@
+// What a mission is judged by. The only part of the loop that sees ground truth.
+//
+// The costly part (TakeCloud, ScoreClouds) touches only the meter and its own results, so
+// that it may run beside the rest, one call at a time; AdoptScore and Finish read them once it is over.
+#pragma once
+
+#include <memory>
+
+#include "core/stopwatch.h"
+#include "experiments/identity/experiment_config.h"
+#include "experiments/identity/run_options.h"
+#include "experiments/judge/coverage.h"
+#include "experiments/judge/explored_volume.h"
+#include "experiments/results/ground_plan.h"
+#include "experiments/results/run_recorder.h"
+#include "mapping/map.h"
+#include "scenes/catalog.h"
+#include "sim/simulator.h"
+
+namespace atlas::experiments {
+
+class MissionMetrics {
+ public:
+  /// Samples the ground truth, finds what is attainable of it (cached between runs) and opens the run folder.
+  /// @throws InputError when the folder cannot be written.
+  MissionMetrics(const ExperimentConfig& config, const RunOptions& options, const scenes::SceneSpec& scene,
+                 const robots::RobotSpec& robot);
+  /// Follows the true pose of `simulator`, which outlives the mission.
+  void Attach(sim::Simulator* simulator);
+
+  void BeginScan();
+  void ObserveSweep(const core::Pose& T_map_base);
+  void ObserveMap(size_t cloud_points, double integration_ms, size_t new_surface);
+
+  void TakeCloud(const mapping::ReturnCloud& cloud);
+  /// Scores all clouds so far.
+  void ScoreClouds(const mapping::Map& map);
+  /// The scan's row takes the score.
+  void AdoptScore();
+
+  void FinishScan(const planner::NbvDecision& decision);
+  void ObserveWalk(const sim::WalkResult& walk, double wall_s);
+  /// Ground that planning knows by now, and why it left some of it out.
+  void ObserveGround(const planner::TraversableGround& ground_map) { ground_.Learn(ground_map); }
+  /// Writes the cloud, the map, log.txt and what else the folder holds, with numbers as of now; the status
+  /// still says `interrupted`. @throws InputError when a file cannot be written.
+  void Save(const mapping::Map& map);
+  /// The last write of a run: its final status. @pre Save() has returned
+  RunSummary Finish(RunStatus status, StopReason reason);
+
+  /// A progress line: scan, simulated time, distance, coverage, what is going on.
+  void Report(const std::string& stage, bool final = false);
+
+  int scans() const { return scans_; }
+  TimingRow& timing() { return timing_; }
+
+ private:
+  /// A line that stays, on the terminal and in log.txt.
+  void Note(const std::string& line);
+  /// Samples what stands around the object, once: the cloud's error leaves it out.
+  void SampleSurroundings();
+  /// Whether the last `mission.flat_scans` scans added less than `mission.flat_coverage` each, on average.
+  bool CoverageIsFlat() const;
+  void RecordBlockedWays(RunSummary* summary);
+
+  const ExperimentConfig& config_;
+  const RunOptions& options_;
+  const scenes::SceneSpec& scene_;
+  core::Stopwatch wall_;
+  scenes::GroundTruth truth_;
+  std::vector<uint8_t> attainable_;
+  std::unique_ptr<CoverageMeter> meter_;
+  bool has_surroundings_ = false;
+  std::unique_ptr<ExploredVolume> volume_;  ///< of scenes to explore
+  /// The meter's latest answers.
+  struct Score {
+    double coverage = 0.0, coverage_raw = 0.0, coverage_outer = 0.0, of_attainable = 0.0;
+    std::vector<uint8_t> covered, covered_outer;  ///< a truth point each
+    CloudError error;
+    size_t returns = 0;  ///< of the accumulated cloud that this score counts
+    core::Pose T_truth_cloud = core::Pose::Identity();
+    double seconds = 0.0;  ///< wall-clock time since the last score
+    size_t map_bytes = 0;
+    std::optional<double> explored_m3 = {};
+  };
+  Score scored_, score_;  ///< as computed, as adopted
+  std::unique_ptr<RunRecorder> recorder_;
+  sim::Simulator* simulator_ = nullptr;
+  std::string log_;           ///< lines that stay
+  double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
+  GroundPlan ground_;
+  std::vector<planner::BlockedWay> blocked_;  ///< as of the latest plan
+  int scans_ = 0;
+  double distance_m_ = 0.0;
+  std::vector<double> coverage_;  ///< a scan each
+  StepRow step_;
+  TimingRow timing_;
+};
+
+}  // namespace atlas::experiments

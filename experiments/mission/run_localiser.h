@@ -1,0 +1,17 @@
+// The one place that hands the truth to a localiser: to `truth`, which every table names.
+#pragma once
+
+#include <memory>
+
+#include "experiments/identity/experiment_config.h"
+#include "scenes/scene_spec.h"
+#include "sim/simulator.h"
+
+namespace atlas::experiments {
+
+/// The localiser of a run, at its start. `simulator` outlives it.
+std::unique_ptr<mapping::Localiser> MakeLocaliserFor(const ExperimentConfig& config,
+                                                     const scenes::SceneSpec& scene,
+                                                     const sim::Simulator& simulator, const core::Rng& rng);
+
+}  // namespace atlas::experiments

@@ -1,0 +1,205 @@
+#include "experiments/results/run_files.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "core/errors.h"
+#include "core/files.h"
+#include "experiments/results/run_recorder.h"
+
+namespace atlas::experiments {
+namespace {
+
+using core::InputError;
+
+constexpr std::string_view kStepsHeader =
+    "scan,sim_time_s,distance_m,x_m,y_m,z_m,yaw_rad,coverage_raw,coverage,coverage_outer,coverage_of_"
+    "attainable,flat_by_truth,cloud_error_m_mean,cloud_error_m_p95,cloud_points,"
+    "new_surface_voxels,outcome,candidates,nodes,rays,gain,utility,utility_ratio,path_length_m,falls,"
+    "collisions,"
+    "shank_brushes,footholds,footholds_off_solid,worst_foot_drop_m,explored_m3\n";
+
+std::vector<std::string> SplitLine(const std::string& line) {
+  std::vector<std::string> cells;
+  std::stringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  if (line.ends_with(',')) cells.emplace_back();
+  return cells;
+}
+
+size_t ColumnOf(const std::vector<std::string>& header, const std::string& name, const std::string& origin) {
+  for (size_t i = 0; i < header.size(); ++i) {
+    if (header[i] == name) return i;
+  }
+  throw InputError(fmt::format("{}: column '{}' is missing", origin, name));
+}
+
+/// @throws InputError for a row that was cut short.
+void CheckWidth(const std::vector<std::string>& cells, const std::vector<std::string>& header,
+                const std::string& origin, int line) {
+  if (cells.size() == header.size()) return;
+  throw InputError(
+      fmt::format("{}:{}: {} cells, the header has {}", origin, line, cells.size(), header.size()));
+}
+
+double NumberIn(const std::vector<std::string>& cells, size_t column, const std::string& origin, int line) {
+  double value = 0.0;
+  const std::string cell = column < cells.size() ? cells[column] : "";
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
+    throw InputError(
+        fmt::format("{}:{}: expected a number in column {}, found '{}'", origin, line, column + 1, cell));
+  }
+  return value;
+}
+
+std::string CountText(const std::optional<int>& count) {
+  return count ? fmt::format("{}", *count) : std::string();
+}
+
+}  // namespace
+
+std::string_view NameOf(planner::NbvOutcome outcome) {
+  switch (outcome) {
+    case planner::NbvOutcome::kView:
+      return "view";
+    case planner::NbvOutcome::kGainExhausted:
+      return "gain_exhausted";
+    case planner::NbvOutcome::kSurfaceFlat:
+      return "surface_flat";
+    case planner::NbvOutcome::kRouteDone:
+      return "route_done";
+    case planner::NbvOutcome::kBlockedNarrow:
+      return "blocked_narrow";
+    case planner::NbvOutcome::kOutOfReach:
+      return "out_of_reach";
+    case planner::NbvOutcome::kNoCandidates:
+      return "no_candidates";
+  }
+  return "";
+}
+
+std::string_view NameOf(planner::LossReason reason) {
+  switch (reason) {
+    case planner::LossReason::kChosen:
+      return "chosen";
+    case planner::LossReason::kLowerUtility:
+      return "lower_utility";
+    case planner::LossReason::kBlacklisted:
+      return "blacklisted";
+    case planner::LossReason::kUnreachable:
+      return "unreachable";
+    case planner::LossReason::kNoGain:
+      return "no_gain";
+  }
+  return "";
+}
+
+std::string StepsCsv(const std::vector<StepRow>& steps) {
+  const auto cell = [](const std::optional<double>& value, int digits) {
+    return value ? fmt::format("{:.{}f}", *value, digits) : std::string();
+  };
+  std::string csv(kStepsHeader);
+  for (const StepRow& s : steps) {
+    const core::Vec3& p = s.T_map_base.translation();
+    csv +=
+        fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{:.6f},{},{},{},{},", s.scan,
+                    s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(), core::YawOf(s.T_map_base.linear()),
+                    s.coverage_raw, s.coverage, s.coverage_outer, cell(s.coverage_of_attainable, 6),
+                    s.flat_by_truth ? 1 : 0, cell(s.cloud_error_m_mean, 6), cell(s.cloud_error_m_p95, 6));
+    csv += fmt::format("{},{},{},{},{},{},", s.cloud_points, s.new_surface_voxels, s.outcome, s.candidates,
+                       s.nodes, s.rays);
+    csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{},{}\n", s.gain, s.utility,
+                       s.utility_ratio, s.path_length_m, CountText(s.falls), CountText(s.collisions),
+                       CountText(s.shank_brushes), CountText(s.footholds), CountText(s.footholds_off_solid),
+                       cell(s.worst_foot_drop_m, 4), cell(s.explored_m3, 3));
+  }
+  return csv;
+}
+
+std::string TimingsCsv(const std::vector<TimingRow>& timings) {
+  std::string csv =
+      "scan,nbv_time_s,integration_ms,terrain_ms,metrics_ms,sweep_wall_s,walk_wall_s,wall_time_s,map_bytes\n";
+  for (const TimingRow& t : timings) {
+    csv += fmt::format("{},{:.4f},{:.2f},{:.2f},{:.2f},{:.4f},{:.4f},{:.4f},{}\n", t.scan, t.nbv_time_s,
+                       t.integration_ms, t.terrain_ms, t.metrics_ms, t.sweep_wall_s, t.walk_wall_s,
+                       t.wall_time_s, t.map_bytes);
+  }
+  return csv;
+}
+
+std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains) {
+  std::string header =
+      "scan,candidate,node,x_m,y_m,yaw_rad,ground_m,path_length_m,gain,gain_void,gain_ground,gain_object,"
+      "surface_m2,worth,"
+      "visited_cost,too_close_cost,position_cost,traversal_cost,utility,reason";
+  for (const std::string& name : extra_gains) header += ",gain_" + name;
+  return header + "\n";
+}
+
+void AppendCandidateRows(int scan, const planner::NbvDecision& decision, size_t extra_count,
+                         std::string* csv) {
+  for (size_t i = 0; i < decision.candidates.size(); ++i) {
+    const planner::Candidate& c = decision.candidates[i];
+    *csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f},{:.6g},{:.6g},{:.6g},{:.6g},", scan, i,
+                        c.node, c.p_map.x(), c.p_map.y(), c.yaw_rad, c.ground_m, c.path_length_m, c.gain,
+                        c.gain_void, c.gain_ground, c.gain_object);
+    *csv += fmt::format("{:.6g},{:.6g},", c.surface_m2, c.worth);
+    *csv += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.6g},{}", c.visited_cost, c.too_close_cost,
+                        c.position_cost, c.traversal_cost, c.utility, NameOf(c.reason));
+    for (size_t k = 0; k < extra_count; ++k) {
+      *csv += k < c.extra_gains.size() ? fmt::format(",{:.6g}", c.extra_gains[k]) : ",";
+    }
+    *csv += '\n';
+  }
+}
+
+CoverageCurve LoadCoverageCurve(const std::filesystem::path& run_folder) {
+  const std::string origin = (run_folder / "steps.csv").string();
+  std::stringstream text(core::ReadFile(origin));
+  std::string line;
+  std::getline(text, line);
+  const std::vector<std::string> header = SplitLine(line);
+  const size_t scan = ColumnOf(header, "scan", origin), time = ColumnOf(header, "sim_time_s", origin),
+               distance = ColumnOf(header, "distance_m", origin),
+               raw = ColumnOf(header, "coverage_raw", origin), aligned = ColumnOf(header, "coverage", origin),
+               share = ColumnOf(header, "coverage_of_attainable", origin);
+  CoverageCurve curve;
+  for (int number = 2; std::getline(text, line); ++number) {
+    if (line.empty()) continue;
+    const std::vector<std::string> cells = SplitLine(line);
+    CheckWidth(cells, header, origin, number);
+    curve.scan.push_back(NumberIn(cells, scan, origin, number));
+    curve.sim_time_s.push_back(NumberIn(cells, time, origin, number));
+    curve.distance_m.push_back(NumberIn(cells, distance, origin, number));
+    curve.coverage_raw.push_back(NumberIn(cells, raw, origin, number));
+    curve.coverage.push_back(NumberIn(cells, aligned, origin, number));
+    if (share < cells.size() && !cells[share].empty()) {
+      curve.coverage_of_attainable.push_back(NumberIn(cells, share, origin, number));
+    }
+  }
+  if (curve.coverage_of_attainable.size() != curve.scan.size()) curve.coverage_of_attainable.clear();
+  return curve;
+}
+
+std::vector<core::Vec2> LoadScanPlaces(const std::filesystem::path& run_folder) {
+  const std::string origin = (run_folder / "steps.csv").string();
+  std::stringstream text(core::ReadFile(origin));
+  std::string line;
+  std::getline(text, line);
+  const std::vector<std::string> header = SplitLine(line);
+  const size_t x = ColumnOf(header, "x_m", origin), y = ColumnOf(header, "y_m", origin);
+  std::vector<core::Vec2> places;
+  for (int number = 2; std::getline(text, line); ++number) {
+    if (line.empty()) continue;
+    const std::vector<std::string> cells = SplitLine(line);
+    CheckWidth(cells, header, origin, number);
+    places.emplace_back(NumberIn(cells, x, origin, number), NumberIn(cells, y, origin, number));
+  }
+  return places;
+}
+
+}  // namespace atlas::experiments
