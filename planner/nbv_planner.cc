@@ -82,7 +82,7 @@ class Planner final : public NbvPlanner {
     memory_.RecordSweep(T_map_base, new_surface);
   }
   NbvDecision Plan(const Pose& T_map_base, const mapping::MapView& map,
-                   const TraversableGround& terrain) override;
+                   const mapping::TraversableGround& terrain) override;
 
  private:
   CandidateTree PickPlaces(const Walkable& walkable, const core::Rng& rng);
@@ -95,7 +95,7 @@ class Planner final : public NbvPlanner {
   int NearerToObject(double best_utility, const NbvDecision& decision) const;
   NbvOutcome EndOf(double best_utility) const;
   bool JudgeBlockedWays(const mapping::MapView& map, NbvDecision* decision);
-  void Recover(const Pose& T_map_base, const TraversableGround& ground, NbvDecision* decision);
+  void Recover(const Pose& T_map_base, const mapping::TraversableGround& ground, NbvDecision* decision);
   void FindWay(const Walkable& walkable, const CandidateTree& tree, int view, const core::Rng& rng,
                NbvDecision* decision) const;
 
@@ -116,7 +116,7 @@ class Planner final : public NbvPlanner {
 };
 
 NbvDecision Planner::Plan(const Pose& T_map_base, const mapping::MapView& map,
-                          const TraversableGround& terrain) {
+                          const mapping::TraversableGround& terrain) {
   const core::Rng rng = rng_.Split("plan" + std::to_string(plans_++));
   const Walkable walkable(terrain, T_map_base.translation().head<2>(), params_.window_m);
   NbvDecision decision;
@@ -324,7 +324,8 @@ std::vector<int> Planner::RankViews(NbvDecision* decision) const {
 }
 
 /// Nowhere to go from here, it seems.
-void Planner::Recover(const Pose& T_map_base, const TraversableGround& ground, NbvDecision* decision) {
+void Planner::Recover(const Pose& T_map_base, const mapping::TraversableGround& ground,
+                      NbvDecision* decision) {
   const auto move = recovery_.Next(T_map_base, ground);
   if (!move) return;
   decision->path_map = move->path_map;

@@ -10,10 +10,10 @@
 #include "core/params.h"
 #include "core/rng.h"
 #include "mapping/map_view.h"
+#include "mapping/terrain/elevation_map.h"
+#include "mapping/terrain/traversable_ground.h"
 #include "planner/gain/view_evaluator.h"
 #include "planner/global/blocked_ways.h"
-#include "planner/terrain/elevation_map.h"
-#include "planner/traversable_ground.h"
 
 namespace atlas::planner {
 
@@ -70,7 +70,7 @@ struct NbvParams {
   double blocked_share = 0.2;
   int rrt_star_iterations = 800;
   std::vector<std::string> route;  ///< route: where to go (planner/route_planner.h)
-  TerrainParams terrain;
+  mapping::TerrainParams terrain;
   void Visit(core::ParamVisitor& v);
 };
 
@@ -129,7 +129,7 @@ class NbvPlanner {
   /// promise and do not deliver are blacklisted.
   virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
   virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::MapView& map,
-                           const TraversableGround& terrain) = 0;
+                           const mapping::TraversableGround& terrain) = 0;
 };
 
 struct PlannerEntry {

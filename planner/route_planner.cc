@@ -48,7 +48,8 @@ class RoutePlanner final : public NbvPlanner {
 
   void OnSweep(const core::Pose&, size_t) override {}
 
-  NbvDecision Plan(const core::Pose& T_map_base, const mapping::MapView&, const TraversableGround&) override {
+  NbvDecision Plan(const core::Pose& T_map_base, const mapping::MapView&,
+                   const mapping::TraversableGround&) override {
     NbvDecision decision;
     if (at_ == last_view_) {
       decision.outcome = NbvOutcome::kRouteDone;

@@ -6,21 +6,17 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/robot_extent.h"
 
 namespace atlas::robots {
 
-struct RobotSpec {
+struct RobotSpec : core::RobotExtent {
   std::string name;
   std::string doc;
   std::filesystem::path mjcf;  ///< a model that stands alone (worldbody with the robot only)
   std::string lidar_model = "vlp16";
   core::Pose T_base_lidar = core::Pose::Identity();
   core::Pose T_base_depth = core::Pose::Identity();  ///< camera frame: x right, y down, z forward
-  double stance_height_m = 0.44;                     ///< base origin above the soles
-  double footprint_radius_m = 0.55;  ///< circle about the base that holds the body and legs while turning
-  double half_length_m = 0.55;
-  double half_width_m = 0.33;
-  double body_top_m = 0.35;  ///< highest point above the base origin (LiDAR included): overhang clearance
   double max_speed_mps = 1.0;
   double max_step_m = 0.15;
   double max_slope_rad = 0.35;

@@ -41,7 +41,7 @@ class MissionMetrics {
   void FinishScan(const planner::NbvDecision& decision);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
   /// Ground that planning knows by now, and why it left some of it out.
-  void ObserveGround(const planner::TraversableGround& ground_map) { ground_.Learn(ground_map); }
+  void ObserveGround(const mapping::TraversableGround& ground_map) { ground_.Learn(ground_map); }
   /// Writes the cloud, the map, log.txt and what else the folder holds, with numbers as of now; the status
   /// still says `interrupted`. @throws InputError when a file cannot be written.
   void Save(const mapping::Map& map);

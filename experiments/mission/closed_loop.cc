@@ -14,7 +14,7 @@
 #include "experiments/mission/run_localiser.h"
 #include "experiments/mission/sensor_feed.h"
 #include "experiments/results/run_folder.h"
-#include "planner/terrain/posed_ground.h"
+#include "mapping/terrain/posed_ground.h"
 #include "planner/utility/surface_tally.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
@@ -95,7 +95,7 @@ struct Mission {
             .turning_radius_m = robot.footprint_radius_m};
   }
 
-  planner::PosedGround Ground() const { return {terrain, T_map_base(), simulator->T_odom_base()}; }
+  mapping::PosedGround Ground() const { return {terrain, T_map_base(), simulator->T_odom_base()}; }
   Pose T_map_base() const { return localiser->T_map_odom() * simulator->T_odom_base(); }
 
   const ExperimentConfig& config;
@@ -110,7 +110,7 @@ struct Mission {
   std::unique_ptr<mapping::Map> map;
   std::unique_ptr<mapping::Localiser> localiser;
   mapping::ScanCloud cloud;
-  planner::ElevationMap terrain;
+  mapping::ElevationMap terrain;
   SensorFeed feed;
   std::unique_ptr<planner::NbvPlanner> planner;
   planner::SurfaceTally surface;
@@ -149,7 +149,7 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
 /// Plans while the metrics are scored.
 planner::NbvDecision PlanNextView(Mission* m) {
   const core::Stopwatch planning;
-  const planner::PosedGround ground = m->Ground();
+  const mapping::PosedGround ground = m->Ground();
   planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), *m->map->Snapshot(), ground);
   m->metrics.timing().nbv_time_s = planning.seconds();
   m->metrics.ObserveGround(ground);

@@ -16,7 +16,7 @@ SensorFeed::SensorFeed(const SensorFeedParams& params, const Listeners& listener
 SensorFeed::~SensorFeed() = default;
 
 /// States come ten times as often as anything else and wait for company.
-core::TaskLanes::Ticket SensorFeed::Ingest(std::function<void(planner::ElevationMap*)> event) {
+core::TaskLanes::Ticket SensorFeed::Ingest(std::function<void(mapping::ElevationMap*)> event) {
   return lanes_->Post(kTerrainLane,
                       [terrain = to_.terrain, states = std::exchange(states_, {}), event = std::move(event)] {
                         for (const core::StateEvent& state : states) terrain->OnState(state);
@@ -25,7 +25,7 @@ core::TaskLanes::Ticket SensorFeed::Ingest(std::function<void(planner::Elevation
 }
 
 void SensorFeed::LaunchRefresh(double adopt_s) {
-  refresh_ = Ingest([](planner::ElevationMap* terrain) { terrain->Refresh(); });
+  refresh_ = Ingest([](mapping::ElevationMap* terrain) { terrain->Refresh(); });
   refreshing_ = true;
   adopt_s_ = adopt_s;
 }
@@ -56,7 +56,7 @@ void SensorFeed::OnState(const core::StateEvent& event) {
 }
 
 void SensorFeed::OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) {
-  Ingest([spin](planner::ElevationMap* terrain) { terrain->OnSpin(spin); });
+  Ingest([spin](mapping::ElevationMap* terrain) { terrain->OnSpin(spin); });
   const core::AnchoredSpin placed = to_.localiser->Place(spin);
   const bool wanted =
       mapping_ == Mapping::kEverything || (mapping_ == Mapping::kScanning && placed.spin->scanning);
@@ -67,7 +67,7 @@ void SensorFeed::OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) {
 }
 
 void SensorFeed::OnDepth(const core::DepthEvent& event) {
-  Ingest([event](planner::ElevationMap* terrain) { terrain->OnDepth(event); });
+  Ingest([event](mapping::ElevationMap* terrain) { terrain->OnDepth(event); });
   LaunchWhenDue();
 }
 

@@ -15,7 +15,7 @@
 #include "mapping/cloud/scan_cloud.h"
 #include "mapping/map.h"
 #include "mapping/slam/localiser.h"
-#include "planner/terrain/elevation_map.h"
+#include "mapping/terrain/elevation_map.h"
 
 namespace atlas::experiments {
 
@@ -38,7 +38,7 @@ class SensorFeed : public core::SensorSink {
   /// Who hears the sensors, and what comes of it. All outlive the feed.
   struct Listeners {
     mapping::Localiser* localiser;
-    planner::ElevationMap* terrain;
+    mapping::ElevationMap* terrain;
     mapping::Map* map;
     mapping::ScanCloud* cloud;  ///< of all revolutions between two drains; touched by tasks of kMapLane
     std::function<void(const core::Pose& T_map_odom)> on_localised;
@@ -68,7 +68,7 @@ class SensorFeed : public core::SensorSink {
   void OnDepth(const core::DepthEvent& event) override;
 
  private:
-  core::TaskLanes::Ticket Ingest(std::function<void(planner::ElevationMap*)> event);
+  core::TaskLanes::Ticket Ingest(std::function<void(mapping::ElevationMap*)> event);
   void LaunchRefresh(double adopt_s);
   void LaunchWhenDue();
   void Map(const core::AnchoredSpin& spin, const core::PoseSource& poses);

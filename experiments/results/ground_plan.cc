@@ -10,13 +10,13 @@
 #include "core/errors.h"
 #include "core/files.h"
 #include "core/yaml_text.h"
-#include "planner/terrain/grid_filters.h"
+#include "mapping/terrain/grid_filters.h"
 
 namespace atlas::experiments {
 namespace {
 
 using core::InputError;
-using planner::GroundKind;
+using mapping::GroundKind;
 
 static_assert(static_cast<int>(GroundKind::kCutOff) == static_cast<int>(GroundCode::kCutOff),
               "the first codes are the kinds");
@@ -71,7 +71,7 @@ void GroundPlan::Cover(int min_x, int min_y, int cols, int rows) {
   rows_ = y1 - y0;
 }
 
-void GroundPlan::Learn(const planner::TraversableGround& ground) {
+void GroundPlan::Learn(const mapping::TraversableGround& ground) {
   const core::Box3 window = ground.Window();
   const auto cells = [this](double m) { return static_cast<int>(std::lround(m / cell_m_)); };
   const int min_x = cells(window.min.x()), min_y = cells(window.min.y());
@@ -91,10 +91,10 @@ void GroundPlan::Learn(const planner::TraversableGround& ground) {
 
 GroundImage GroundPlan::Image() const {
   GroundImage image{rows_, cols_, cell_m_, cell_m_ * core::Vec2(min_x_, min_y_), {}};
-  planner::terrain::Mask blocked(kind_.size());
+  mapping::terrain::Mask blocked(kind_.size());
   for (size_t i = 0; i < kind_.size(); ++i) blocked[i] = kind_[i] != GroundKind::kFree;
   const int narrow2 = Within2(half_width_m_, cell_m_), tight2 = Within2(turning_radius_m_, cell_m_);
-  const std::vector<int16_t> d2 = planner::terrain::SquaredDistance(
+  const std::vector<int16_t> d2 = mapping::terrain::SquaredDistance(
       blocked, rows_, cols_, static_cast<int>(std::ceil(turning_radius_m_ / cell_m_)) + 1);
   for (size_t i = 0; i < kind_.size(); ++i) {
     GroundCode code = static_cast<GroundCode>(kind_[i]);

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "mapping/terrain/traversable_ground.h"
 #include "planner/nbv_planner.h"
-#include "planner/traversable_ground.h"
 
 namespace atlas::experiments {
 
@@ -21,7 +21,7 @@ inline constexpr const char* kGroundImageFile = "terrain.pgm";
 inline constexpr const char* kGroundLegendFile = "terrain.yaml";
 inline constexpr const char* kBlockedWaysFile = "blocked_ways.csv";
 
-/// What a cell of the plan holds: planner::GroundKind, and where the ground is free but not the robot.
+/// What a cell of the plan holds: mapping::GroundKind, and where the ground is free but not the robot.
 enum class GroundCode : uint8_t {
   kUnknown,
   kFree,
@@ -56,7 +56,7 @@ class GroundPlan {
 
   /// Later knowledge wins; where the window knows nothing (or no way joins the place to the robot any more)
   /// stays what was known.
-  void Learn(const planner::TraversableGround& ground);
+  void Learn(const mapping::TraversableGround& ground);
   /// All ground so far.
   GroundImage Image() const;
   /// Writes terrain.pgm and terrain.yaml. @throws InputError where they cannot be written.
@@ -67,7 +67,7 @@ class GroundPlan {
 
   double cell_m_, half_width_m_, turning_radius_m_;
   int min_x_ = 0, min_y_ = 0, cols_ = 0, rows_ = 0;  ///< in cells of the map frame
-  std::vector<planner::GroundKind> kind_;
+  std::vector<mapping::GroundKind> kind_;
 };
 
 /// Reads what Write wrote. @throws InputError for a missing or malformed file.

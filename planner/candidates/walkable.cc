@@ -17,7 +17,7 @@ constexpr double kInnerDisc_m = 0.35;
 
 }  // namespace
 
-Walkable::Walkable(const TraversableGround& ground, const Vec2& start, double window_m)
+Walkable::Walkable(const mapping::TraversableGround& ground, const Vec2& start, double window_m)
     : ground_(ground), start_(start), window_(ground.Window()) {
   const Vec2 half = Vec2::Constant(0.5 * window_m);
   window_.min.head<2>() = window_.min.head<2>().cwiseMax(start - half);

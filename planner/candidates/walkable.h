@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "planner/traversable_ground.h"
+#include "mapping/terrain/traversable_ground.h"
 
 namespace atlas::planner {
 
@@ -18,7 +18,7 @@ class Walkable {
  public:
   /// Planning uses the part of the ground's window that lies in the square of side `window_m` about the
   /// start.
-  Walkable(const TraversableGround& ground, const core::Vec2& start,
+  Walkable(const mapping::TraversableGround& ground, const core::Vec2& start,
            double window_m = std::numeric_limits<double>::infinity());
 
   /// The robot fits at any heading.
@@ -31,14 +31,14 @@ class Walkable {
 
   const core::Vec2& start() const { return start_; }
   const core::Box3& window() const { return window_; }
-  const TraversableGround& ground() const { return ground_; }
+  const mapping::TraversableGround& ground() const { return ground_; }
 
  private:
   bool InEscape(const core::Vec2& p_map) const;
   bool FootprintFree(const core::Vec2& p_map, double yaw_rad, int heading) const;
   long CellOf(const core::Vec2& p_map) const;
 
-  const TraversableGround& ground_;
+  const mapping::TraversableGround& ground_;
   core::Vec2 start_;
   core::Box3 window_;
   int cols_ = 0, rows_ = 0;

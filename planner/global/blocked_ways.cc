@@ -11,7 +11,7 @@
 #include <queue>
 #include <tuple>
 
-#include "planner/terrain/grid_filters.h"
+#include "mapping/terrain/grid_filters.h"
 
 namespace atlas::planner {
 namespace {
@@ -29,18 +29,18 @@ constexpr double kAcross_rad = core::Radians(110.0);  ///< what flanks a way lie
 /// The window as cells: which are free, and how far from what is not.
 class CellGrid {
  public:
-  CellGrid(const TraversableGround& ground, double reach_m)
+  CellGrid(const mapping::TraversableGround& ground, double reach_m)
       : min_(ground.Window().min.head<2>()), reach_(static_cast<int>(std::ceil(reach_m / kCell_m))) {
     const core::Vec3 size = ground.Window().Size();
     cols_ = std::max(1, static_cast<int>(size.x() / kCell_m));
     rows_ = std::max(1, static_cast<int>(size.y() / kCell_m));
     kind_.resize(static_cast<size_t>(cols_) * static_cast<size_t>(rows_));
-    terrain::Mask blocked(kind_.size());
+    mapping::terrain::Mask blocked(kind_.size());
     for (int i = 0; i < count(); ++i) {
       kind_[At(i)] = ground.KindAt(CenterOf(i));
-      blocked[At(i)] = kind_[At(i)] != GroundKind::kFree;
+      blocked[At(i)] = kind_[At(i)] != mapping::GroundKind::kFree;
     }
-    distance2_ = terrain::SquaredDistance(blocked, rows_, cols_, reach_);
+    distance2_ = mapping::terrain::SquaredDistance(blocked, rows_, cols_, reach_);
   }
 
   int count() const { return static_cast<int>(kind_.size()); }
@@ -52,7 +52,7 @@ class CellGrid {
               row = static_cast<int>(std::floor((p.y() - min_.y()) / kCell_m));
     return col < 0 || row < 0 || col >= cols_ || row >= rows_ ? -1 : row * cols_ + col;
   }
-  GroundKind kind(int i) const { return kind_[At(i)]; }
+  mapping::GroundKind kind(int i) const { return kind_[At(i)]; }
   double clearance_m(int i) const { return kCell_m * std::sqrt(distance2_[At(i)]); }
 
   /// Calls visit(j) for the cells within `radius_m` of `p`.
@@ -72,7 +72,7 @@ class CellGrid {
 
   Vec2 min_;
   int reach_, rows_ = 0, cols_ = 0;
-  std::vector<GroundKind> kind_;
+  std::vector<mapping::GroundKind> kind_;
   std::vector<int16_t> distance2_;
 };
 
@@ -124,7 +124,7 @@ struct WidestWays {
         const int col = i % grid.cols() + k % 3 - 1, row = i / grid.cols() + k / 3 - 1;
         if (k == 4 || col < 0 || row < 0 || col >= grid.cols() || row >= grid.rows()) continue;
         const int j = row * grid.cols() + col;
-        if (narrowest[static_cast<size_t>(j)] >= 0 || grid.kind(j) != GroundKind::kFree) continue;
+        if (narrowest[static_cast<size_t>(j)] >= 0 || grid.kind(j) != mapping::GroundKind::kFree) continue;
         const double clearance = grid.clearance_m(j);
         // In a corridor that is equally wide all along, its beginning counts.
         const bool narrower =
@@ -138,7 +138,7 @@ struct WidestWays {
 /// What stands on both sides of a narrow place.
 struct Flanks {
   Vec2 a, b;
-  GroundKind kind_a, kind_b;
+  mapping::GroundKind kind_a, kind_b;
 };
 
 /// The nearest cell that is not free, and the nearest on the other side of `p`; nothing where either was
@@ -147,14 +147,16 @@ std::optional<Flanks> FlanksOf(const CellGrid& grid, const Vec2& p, double reach
   int nearest = -1, across = -1;
   const auto distance = [&](int j) { return (grid.CenterOf(j) - p).norm(); };
   grid.ForDisc(p, reach_m, [&](int j) {
-    if (grid.kind(j) != GroundKind::kFree && (nearest < 0 || distance(j) < distance(nearest))) nearest = j;
+    if (grid.kind(j) != mapping::GroundKind::kFree && (nearest < 0 || distance(j) < distance(nearest)))
+      nearest = j;
   });
   if (nearest < 0) return std::nullopt;
   const Vec2 to = grid.CenterOf(nearest) - p;
   grid.ForDisc(p, reach_m, [&](int j) {
     const Vec2 other = grid.CenterOf(j) - p;
     const bool opposite = other.dot(to) < std::cos(kAcross_rad) * other.norm() * to.norm();
-    if (grid.kind(j) != GroundKind::kFree && opposite && (across < 0 || distance(j) < distance(across)))
+    if (grid.kind(j) != mapping::GroundKind::kFree && opposite &&
+        (across < 0 || distance(j) < distance(across)))
       across = j;
   });
   if (across < 0) return std::nullopt;
@@ -189,9 +191,10 @@ class Search {
   /// Free places of a lattice that are not beside covered ground.
   std::vector<Vec2> PlacesBeyond() const {
     std::vector<uint8_t> near(covered_.size(), 0);
-    terrain::Mask mask(covered_.begin(), covered_.end());
+    mapping::terrain::Mask mask(covered_.begin(), covered_.end());
     const int reach = static_cast<int>(kBeyond_m / kCell_m);
-    const std::vector<int16_t> d2 = terrain::SquaredDistance(mask, grid_.rows(), grid_.cols(), reach);
+    const std::vector<int16_t> d2 =
+        mapping::terrain::SquaredDistance(mask, grid_.rows(), grid_.cols(), reach);
     std::vector<Vec2> places;
     const core::Box3& window = walkable_.ground().Window();
     for (double y = std::ceil(window.min.y() / kSpacing_m) * kSpacing_m; y < window.max.y();
@@ -199,7 +202,8 @@ class Search {
       for (double x = std::ceil(window.min.x() / kSpacing_m) * kSpacing_m; x < window.max.x();
            x += kSpacing_m) {
         const int i = grid_.CellOf({x, y});
-        if (i < 0 || grid_.kind(i) != GroundKind::kFree || d2[static_cast<size_t>(i)] <= reach * reach)
+        if (i < 0 || grid_.kind(i) != mapping::GroundKind::kFree ||
+            d2[static_cast<size_t>(i)] <= reach * reach)
           continue;
         if (grid_.clearance_m(i) >= kLeastClearance_m) places.push_back(WidestNear(grid_.CenterOf(i)));
       }
@@ -212,7 +216,8 @@ class Search {
   Vec2 WidestNear(const Vec2& p) const {
     int widest = grid_.CellOf(p);
     grid_.ForDisc(p, 0.75 * kSpacing_m, [&](int j) {
-      if (grid_.kind(j) == GroundKind::kFree && grid_.clearance_m(j) > grid_.clearance_m(widest)) widest = j;
+      if (grid_.kind(j) == mapping::GroundKind::kFree && grid_.clearance_m(j) > grid_.clearance_m(widest))
+        widest = j;
     });
     return grid_.CenterOf(widest);
   }
@@ -220,12 +225,13 @@ class Search {
   std::optional<BlockedWay> WayThrough(const Vec2& narrowest) const {
     const double turning_m = 2.0 * footprint_.turning_radius_m, across_m = 2.0 * footprint_.half_width_m;
     const auto flanks = FlanksOf(grid_, narrowest, turning_m);
-    if (!flanks || flanks->kind_a == GroundKind::kUnknown || flanks->kind_b == GroundKind::kUnknown)
+    if (!flanks || flanks->kind_a == mapping::GroundKind::kUnknown ||
+        flanks->kind_b == mapping::GroundKind::kUnknown)
       return std::nullopt;
     // From a drop the robot keeps clear besides.
     double rim_m = 0.0;
-    for (const GroundKind kind : {flanks->kind_a, flanks->kind_b}) {
-      rim_m += kind == GroundKind::kDrop ? footprint_.edge_clearance_m : 0.0;
+    for (const mapping::GroundKind kind : {flanks->kind_a, flanks->kind_b}) {
+      rim_m += kind == mapping::GroundKind::kDrop ? footprint_.edge_clearance_m : 0.0;
     }
     BlockedWay way;
     way.p_map = 0.5 * (flanks->a + flanks->b);

@@ -17,10 +17,11 @@ constexpr int kDirections = 16;
 constexpr double kAhead_m = 1.2, kSample_m = 0.1;
 
 /// Samples of free ground straight ahead of `here`.
-int FreeAhead(const TraversableGround& ground, const Vec2& here, double yaw_rad) {
+int FreeAhead(const mapping::TraversableGround& ground, const Vec2& here, double yaw_rad) {
   int free = 0;
   for (double s = kSample_m; s <= kAhead_m; s += kSample_m) {
-    free += ground.KindAt(here + s * Vec2(std::cos(yaw_rad), std::sin(yaw_rad))) == GroundKind::kFree;
+    free +=
+        ground.KindAt(here + s * Vec2(std::cos(yaw_rad), std::sin(yaw_rad))) == mapping::GroundKind::kFree;
   }
   return free;
 }
@@ -32,7 +33,8 @@ void Recovery::SetOut(const std::vector<Vec2>& path_map) {
   turned_ = stepped_ = false;
 }
 
-std::optional<Recovery::Move> Recovery::Next(const core::Pose& T_map_base, const TraversableGround& ground) {
+std::optional<Recovery::Move> Recovery::Next(const core::Pose& T_map_base,
+                                             const mapping::TraversableGround& ground) {
   const Vec2 here = T_map_base.translation().head<2>();
   const double yaw = core::YawOf(T_map_base.linear());
   if (auto back = Back(here)) return back;

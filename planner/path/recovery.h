@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "planner/traversable_ground.h"
+#include "mapping/terrain/traversable_ground.h"
 
 namespace atlas::planner {
 
@@ -25,7 +25,7 @@ class Recovery {
   /// The robot sets out on this way to a view.
   void SetOut(const std::vector<core::Vec2>& path_map);
   /// The next thing to try, or nothing when all was tried since the robot last set out.
-  std::optional<Move> Next(const core::Pose& T_map_base, const TraversableGround& ground);
+  std::optional<Move> Next(const core::Pose& T_map_base, const mapping::TraversableGround& ground);
 
  private:
   std::optional<Move> Back(const core::Vec2& here);

@@ -47,7 +47,8 @@ double WalkTime(const TraversalModel& model, const Walkable& walkable, const std
     const double yaw = std::atan2(step.y(), step.x());
     turned_rad += std::abs(core::WrapAngle(yaw - heading));
     heading = yaw;
-    const TraversableGround::Surface surface = walkable.ground().SurfaceAt(0.5 * (path[i] + path[i - 1]));
+    const mapping::TraversableGround::Surface surface =
+        walkable.ground().SurfaceAt(0.5 * (path[i] + path[i - 1]));
     const double hardship = std::min(1.0, std::max(std::abs(surface.slope_rad) / model.slope_scale_rad,
                                                    surface.roughness_m / model.roughness_scale_m));
     time_s += step.norm() / (model.speed_mps * (1.0 - 0.5 * hardship));

@@ -30,7 +30,8 @@ bool SurfaceTally::SeenAround(size_t index) const {
   return false;
 }
 
-size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& returns_map, const TraversableGround& ground) {
+size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& returns_map,
+                              const mapping::TraversableGround& ground) {
   std::vector<size_t> unseen;
   for (const core::Vec3f& point : returns_map) {
     const core::Vec3 p = point.cast<double>();

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "planner/traversable_ground.h"
+#include "mapping/terrain/traversable_ground.h"
 
 namespace atlas::planner {
 
@@ -22,7 +22,7 @@ class SurfaceTally {
   /// Of the voxels that these returns fell into, how many lie on the object, and neither they nor any of
   /// their 26 neighbours held one in an earlier call. Returns lower than two voxels above the ground under
   /// them are ground.
-  size_t CountNew(const std::vector<core::Vec3f>& returns_map, const TraversableGround& ground);
+  size_t CountNew(const std::vector<core::Vec3f>& returns_map, const mapping::TraversableGround& ground);
 
  private:
   size_t IndexOf(const int cell[3]) const;

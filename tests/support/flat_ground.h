@@ -5,13 +5,13 @@
 #include <cmath>
 #include <vector>
 
-#include "planner/traversable_ground.h"
+#include "mapping/terrain/traversable_ground.h"
 
 namespace atlas::tests {
 
 /// z = 0, free except within boxes (x, y); a square window about the robot. The robot is a circle of 0.55 m
 /// to CircleFree and a capsule of 0.33 m about 0.44 m of its length to FootprintFree.
-class FlatGround : public planner::TraversableGround {
+class FlatGround : public mapping::TraversableGround {
  public:
   explicit FlatGround(double window_m = 12.0, const core::Vec2& robot = core::Vec2::Zero())
       : half_m_(0.5 * window_m), robot_(robot) {}
@@ -21,9 +21,9 @@ class FlatGround : public planner::TraversableGround {
   double Traversability(const core::Vec2& p) const override {
     return InWindow(p) && Clearance(p) > 0.0 ? 1.0 : 0.0;
   }
-  planner::GroundKind KindAt(const core::Vec2& p) const override {
-    if (!InWindow(p)) return planner::GroundKind::kUnknown;
-    return Clearance(p) > 0.0 ? planner::GroundKind::kFree : planner::GroundKind::kObstacle;
+  mapping::GroundKind KindAt(const core::Vec2& p) const override {
+    if (!InWindow(p)) return mapping::GroundKind::kUnknown;
+    return Clearance(p) > 0.0 ? mapping::GroundKind::kFree : mapping::GroundKind::kObstacle;
   }
   bool FootprintFree(const core::Vec2& p, double yaw_rad) const override {
     const core::Vec2 along(std::cos(yaw_rad), std::sin(yaw_rad));

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "experiments/results/run_summary.h"
 #include "experiments/report/text_table.h"
+#include "experiments/results/run_summary.h"
 
 namespace atlas::testing {
 

@@ -5,7 +5,7 @@
 
 #include "experiments/mapping_tools/offline_map.h"
 #include "mapping/map.h"
-#include "planner/terrain/elevation_map.h"
+#include "mapping/terrain/elevation_map.h"
 #include "scenes/catalog.h"
 #include "sim/simulator.h"
 #include "tests/support/explained_rows.h"
@@ -265,14 +265,14 @@ struct Survey {
 };
 
 std::string TerrainTells(const Survey& survey, const ExperimentConfig& config) {
-  planner::ElevationMap map(config.planner.terrain, robots::LoadRobot(config.robot.name));
+  mapping::ElevationMap map(config.planner.terrain, robots::LoadRobot(config.robot.name));
   map.InitialiseUnderRobot(core::PoseFromXyzYaw(Vec3(0, 0, kStance_m), 0));
   for (size_t i = 0; i < survey.spins.size(); ++i) {
     map.OnState(survey.states[i]);
     map.OnSpin(survey.spins[i]);
   }
   map.Update();
-  const planner::ElevationMap::Grid grid = map.Export();
+  const mapping::ElevationMap::Grid grid = map.Export();
   Digest told;
   told.Add(grid.height_m);
   told.Add(grid.traversability);

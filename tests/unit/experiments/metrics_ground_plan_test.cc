@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 using core::Vec2;
-using planner::GroundKind;
+using mapping::GroundKind;
 
 /// Widths below a cell's: nothing is narrow or tight.
 constexpr double kThin_m = 0.01;
 
 /// Rows from the least y up, a letter a cell: . unknown, f free, o obstacle, d drop, c cut off.
-class Patch final : public planner::TraversableGround {
+class Patch final : public mapping::TraversableGround {
  public:
   Patch(const Vec2& origin, double cell_m, std::vector<std::string> rows)
       : origin_(origin), cell_m_(cell_m), rows_(std::move(rows)) {}

@@ -3,7 +3,7 @@
 
 #include "core/rng.h"
 #include "experiments/record/recorder.h"
-#include "planner/terrain/elevation_map.h"
+#include "mapping/terrain/elevation_map.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 #include "sim/sensors/raycaster.h"
@@ -68,7 +68,7 @@ TEST(RoomsSmall, DoorwaysAreFreeToTheRobotOnGroundPerceivedOnTheWay) {
   options.rate_hz = 1.0;
   DatasetRecorder recorder(options);
   const robots::RobotSpec robot = robots::LoadRobot("quadruped");
-  planner::ElevationMap terrain(planner::TerrainParams(), robot);
+  mapping::ElevationMap terrain(mapping::TerrainParams(), robot);
   const core::Pose start = recorder.trajectory().poses().front().T;
   const double below_m = start.translation().z() - robot.stance_height_m;
   terrain.InitialiseUnderRobot(core::MakePose(start.linear(), start.translation() - Vec3(0, 0, below_m)));

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "mapping/slam/fixed_poses.h"
-#include "planner/terrain/elevation_map.h"
+#include "mapping/terrain/elevation_map.h"
 #include "robots/robot_spec.h"
 
 namespace atlas::experiments {
@@ -71,7 +71,7 @@ std::shared_ptr<const core::SpinEvent> SpinAt(double stamp_s, bool scanning) {
 class SensorFeedTest : public ::testing::TestWithParam<bool> {
  protected:
   SensorFeedTest()
-      : terrain(planner::TerrainParams{}, robots::RobotSpec{}),
+      : terrain(mapping::TerrainParams{}, robots::RobotSpec{}),
         cloud({core::Vec3(-9.0, -9.0, -9.0), core::Vec3(9.0, 9.0, 9.0)}, 20.0, 0.05),
         feed({.refresh_period_s = 1.0, .terrain_latency_s = 0.4},
              {.localiser = &localiser,
@@ -87,7 +87,7 @@ class SensorFeedTest : public ::testing::TestWithParam<bool> {
 
   ShiftingLocaliser localiser;
   CountingMap map;
-  planner::ElevationMap terrain;
+  mapping::ElevationMap terrain;
   mapping::ScanCloud cloud;
   std::vector<double> told_x;
   size_t heard = 0;

@@ -18,7 +18,7 @@ tests::FlatGround WallWithGap(double width_m) {
   return ground;
 }
 
-std::vector<BlockedWay> BlockedIn(const TraversableGround& ground) {
+std::vector<BlockedWay> BlockedIn(const mapping::TraversableGround& ground) {
   const Walkable walkable(ground, Vec2(0.0, 0.0));
   return FindBlockedWays(walkable, LatticeCandidates(walkable, 0.5), Footprint{});
 }

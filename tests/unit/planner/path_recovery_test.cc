@@ -18,9 +18,10 @@ core::Pose At(const Vec2& p, double yaw_rad) {
 class Wedge : public tests::FlatGround {
  public:
   Wedge(const Vec2& apex, double direction_rad) : apex_(apex), direction_rad_(direction_rad) {}
-  GroundKind KindAt(const Vec2& p) const override {
+  mapping::GroundKind KindAt(const Vec2& p) const override {
     const double off = std::atan2(p.y() - apex_.y(), p.x() - apex_.x()) - direction_rad_;
-    return std::abs(core::WrapAngle(off)) < core::Radians(10.0) ? GroundKind::kFree : GroundKind::kObstacle;
+    return std::abs(core::WrapAngle(off)) < core::Radians(10.0) ? mapping::GroundKind::kFree
+                                                                : mapping::GroundKind::kObstacle;
   }
 
  private:

@@ -8,11 +8,11 @@ namespace {
 
 using core::Vec3f;
 
-class LevelGround : public TraversableGround {
+class LevelGround : public mapping::TraversableGround {
  public:
   explicit LevelGround(double height_m) : height_m_(height_m) {}
   double Traversability(const core::Vec2&) const override { return 1.0; }
-  GroundKind KindAt(const core::Vec2&) const override { return GroundKind::kFree; }
+  mapping::GroundKind KindAt(const core::Vec2&) const override { return mapping::GroundKind::kFree; }
   bool FootprintFree(const core::Vec2&, double) const override { return true; }
   bool CircleFree(const core::Vec2&) const override { return true; }
   Surface SurfaceAt(const core::Vec2&) const override {
