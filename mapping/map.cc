@@ -1,6 +1,6 @@
 #include "mapping/map.h"
 
-#include "core/errors.h"
+#include "core/catalog.h"
 #include "mapping/backends/dense_grid_map.h"
 #include "mapping/backends/octomap_map.h"
 #include "mapping/backends/se_atlas_map.h"
@@ -32,9 +32,7 @@ IntegratorParams MapperParams::SweepDefaults() {
 }
 
 void MapperParams::Visit(core::ParamVisitor& v) {
-  std::vector<std::string> names;
-  for (const CatalogEntry& entry : Catalog()) names.push_back(entry.name);
-  v.Field("name", &name, {.choices = names, .doc = "backend that holds the map"});
+  v.Field("name", &name, {.choices = core::NamesOf(Catalog()), .doc = "backend that holds the map"});
   VisitResolution(&resolution_m, v);
   v.Field("region_margin_m", &region_margin_m,
           {.unit = "m", .min = 0.1, .max = 5.0, .doc = "the map is kept in the object box grown by this"});
@@ -68,12 +66,7 @@ core::Box3 RegionOf(const MapperParams& params, const core::Box3& object_box) {
 }
 
 std::unique_ptr<Map> MakeMap(const MapperParams& params, const MapSetup& setup) {
-  std::vector<std::string> names;
-  for (const CatalogEntry& entry : Catalog()) {
-    if (entry.name == params.name) return entry.build(params, setup);
-    names.push_back(entry.name);
-  }
-  throw core::InputError(core::UnknownName("mapper", params.name, names));
+  return core::EntryNamed(Catalog(), "mapper", params.name).build(params, setup);
 }
 
 }  // namespace atlas::mapping

@@ -1,6 +1,6 @@
 #include "robots/robot_spec.h"
 
-#include "core/errors.h"
+#include "core/catalog.h"
 #include "robots/builders.h"
 #include "robots/mjcf_mounts.h"
 
@@ -16,17 +16,14 @@ const std::vector<CatalogEntry>& Catalog() {
 }
 
 RobotSpec LoadRobot(const std::string& name_or_path) {
-  std::vector<std::string> names;
-  for (const CatalogEntry& entry : Catalog()) {
-    if (entry.name == name_or_path) {
-      RobotSpec spec = entry.build();
-      spec.doc = entry.doc;
-      return spec;
-    }
-    names.push_back(entry.name);
-  }
   const std::filesystem::path path(name_or_path);
-  if (path.extension() != ".xml") throw core::InputError(core::UnknownName("robot", name_or_path, names));
+  const CatalogEntry* entry = core::FindEntry(Catalog(), name_or_path);
+  if (entry == nullptr && path.extension() != ".xml") core::EntryNamed(Catalog(), "robot", name_or_path);
+  if (entry != nullptr) {
+    RobotSpec spec = entry->build();
+    spec.doc = entry->doc;
+    return spec;
+  }
   RobotSpec spec;
   spec.name = path.stem().string();
   spec.mjcf = path;

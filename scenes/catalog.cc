@@ -1,6 +1,6 @@
 #include "scenes/catalog.h"
 
-#include "core/errors.h"
+#include "core/catalog.h"
 #include "core/named_files.h"
 #include "scenes/scenes.h"
 
@@ -27,13 +27,8 @@ const std::vector<CatalogEntry>& Catalog() {
 }
 
 SceneSpec LoadScene(const std::string& name_or_path) {
-  std::vector<std::string> names;
-  for (const CatalogEntry& entry : Catalog()) {
-    if (entry.name == name_or_path) return entry.build();
-    names.push_back(entry.name);
-  }
-  if (core::IsFileName(name_or_path)) return LoadSceneFile(name_or_path);
-  throw core::InputError(core::UnknownName("scene", name_or_path, names));
+  const bool is_file = core::FindEntry(Catalog(), name_or_path) == nullptr && core::IsFileName(name_or_path);
+  return is_file ? LoadSceneFile(name_or_path) : core::EntryNamed(Catalog(), "scene", name_or_path).build();
 }
 
 }  // namespace atlas::scenes

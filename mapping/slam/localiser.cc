@@ -1,6 +1,6 @@
 #include "mapping/slam/localiser.h"
 
-#include "core/errors.h"
+#include "core/catalog.h"
 #include "mapping/slam/builders.h"
 
 namespace atlas::mapping {
@@ -38,12 +38,7 @@ const std::vector<LocaliserEntry>& LocaliserCatalog() {
 
 std::unique_ptr<Localiser> MakeLocaliser(const LocalisationParams& params, const LocaliserStart& start,
                                          const core::Rng& rng) {
-  std::vector<std::string> names;
-  for (const LocaliserEntry& entry : LocaliserCatalog()) {
-    if (entry.name == params.name) return entry.build(params, start, rng);
-    names.push_back(entry.name);
-  }
-  throw core::InputError(core::UnknownName("localisation", params.name, names));
+  return core::EntryNamed(LocaliserCatalog(), "localisation", params.name).build(params, start, rng);
 }
 
 }  // namespace atlas::mapping

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "core/errors.h"
+#include "core/catalog.h"
 #include "planner/gain/entries.h"
 #include "planner/gain/voxel_math.h"
 
@@ -35,16 +35,11 @@ const std::vector<GainEntry>& GainCatalog() {
 }
 
 std::vector<std::string> GainNames() {
-  std::vector<std::string> names;
-  for (const GainEntry& entry : GainCatalog()) names.push_back(entry.name);
-  return names;
+  return core::NamesOf(GainCatalog());
 }
 
 const GainEntry& FindGain(const std::string& name) {
-  for (const GainEntry& entry : GainCatalog()) {
-    if (entry.name == name) return entry;
-  }
-  throw core::InputError(core::UnknownName("gain", name, GainNames()));
+  return core::EntryNamed(GainCatalog(), "gain", name);
 }
 
 }  // namespace atlas::planner
