@@ -12,7 +12,7 @@
 #include "experiments/sweep/sweep_spec.h"
 #include "mapping/map.h"
 #include "planner/gain/gain.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 

@@ -8,7 +8,7 @@
 #include "core/params.h"
 #include "mapping/map.h"
 #include "mapping/slam/localiser.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 #include "sim/simulator.h"
 
 namespace atlas::experiments {

@@ -15,7 +15,7 @@
 #include "experiments/mission/sensor_feed.h"
 #include "experiments/results/run_folder.h"
 #include "mapping/terrain/posed_ground.h"
-#include "planner/utility/surface_tally.h"
+#include "planner/stopping/surface_tally.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 

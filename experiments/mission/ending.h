@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "experiments/results/run_summary.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 #include "sim/simulator.h"
 
 namespace atlas::experiments {

@@ -4,7 +4,7 @@
 #include "experiments/identity/experiment_config.h"
 #include "experiments/identity/run_options.h"
 #include "experiments/video/run_recording.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 
 namespace atlas::experiments {
 

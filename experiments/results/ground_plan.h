@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "mapping/terrain/traversable_ground.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 
 namespace atlas::experiments {
 

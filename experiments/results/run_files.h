@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 
 namespace atlas::experiments {
 

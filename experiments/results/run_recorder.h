@@ -14,7 +14,7 @@
 
 #include "core/geometry.h"
 #include "experiments/results/run_summary.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 
 namespace atlas::experiments {
 

@@ -1,5 +1,5 @@
 // Ways too narrow: found where they are, told from what is merely far, open or unseen.
-#include "planner/global/blocked_ways.h"
+#include "planner/graph/blocked_ways.h"
 
 #include <gtest/gtest.h>
 

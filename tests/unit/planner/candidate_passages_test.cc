@@ -1,4 +1,4 @@
-#include "planner/candidates/passages.h"
+#include "planner/views/passages.h"
 
 #include <gtest/gtest.h>
 

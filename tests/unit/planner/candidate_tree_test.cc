@@ -3,8 +3,8 @@
 #include <queue>
 #include <set>
 
-#include "planner/candidates/candidates.h"
-#include "planner/candidates/ompl_bridge.h"
+#include "planner/views/candidates.h"
+#include "planner/views/ompl_bridge.h"
 #include "tests/support/flat_ground.h"
 
 namespace atlas::planner {

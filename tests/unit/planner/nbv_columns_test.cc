@@ -6,7 +6,7 @@
 
 #include "mapping/grid/dense_grid.h"
 #include "planner/gain/view_evaluator.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 #include "tests/support/flat_ground.h"
 
 namespace atlas::planner {

@@ -5,8 +5,8 @@
 
 #include "core/errors.h"
 #include "mapping/grid/dense_grid.h"
-#include "planner/nbv_planner.h"
-#include "planner/utility/costs.h"
+#include "planner/planners/nbv_planner.h"
+#include "planner/travel/costs.h"
 #include "tests/support/flat_ground.h"
 
 namespace atlas::planner {

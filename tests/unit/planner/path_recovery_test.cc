@@ -1,4 +1,4 @@
-#include "planner/path/recovery.h"
+#include "planner/travel/recovery.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "planner/candidates/candidates.h"
-#include "planner/path/view_path.h"
+#include "planner/travel/view_path.h"
+#include "planner/views/candidates.h"
 #include "tests/support/flat_ground.h"
 
 namespace atlas::planner {

@@ -1,4 +1,4 @@
-#include "planner/route_planner.h"
+#include "planner/planners/route_planner.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "planner/utility/costs.h"
-#include "planner/utility/termination.h"
-#include "planner/utility/view_memory.h"
+#include "planner/stopping/termination.h"
+#include "planner/stopping/view_memory.h"
+#include "planner/travel/costs.h"
 #include "tests/support/flat_ground.h"
 #include "tests/support/voxel_world.h"
 

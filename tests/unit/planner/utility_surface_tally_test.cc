@@ -1,5 +1,5 @@
 // Progress as the planner sees it: only the object's surface, each voxel once.
-#include "planner/utility/surface_tally.h"
+#include "planner/stopping/surface_tally.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 //     #########  beyond
 //   A  . . . . n . . . b        A: ground that the candidates cover
 //     #########                 n: the narrowest place on the way to b
-#include "planner/global/blocked_ways.h"
+#include "planner/graph/blocked_ways.h"
 
 #include <algorithm>
 #include <cmath>

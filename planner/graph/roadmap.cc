@@ -1,4 +1,4 @@
-#include "planner/global/roadmap.h"
+#include "planner/graph/roadmap.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,24 +1,13 @@
 // Ways that are too narrow for the robot, and the ground beyond them: what planning leaves out, by name.
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "planner/candidates/candidates.h"
-#include "planner/candidates/walkable.h"
+#include "planner/decision.h"
+#include "planner/views/candidates.h"
+#include "planner/views/walkable.h"
 
 namespace atlas::planner {
-
-/// Ground that a thinner robot would reach, and the narrowest place on the widest way to it.
-struct BlockedWay {
-  core::Vec2 p_map = core::Vec2::Zero();  ///< middle of the narrowest place
-  double width_m = 0.0;                   ///< free width there
-  /// What the robot needs: the width of its footprint, or, where that fits, of its turning circle.
-  double needed_m = 0.0;
-  std::vector<core::Vec3> beyond_map;  ///< ground points beyond it, spread out
-  /// Of the best view from there over the best of all plans; nothing where no plan judged it.
-  std::optional<double> worth_share = std::nullopt;
-};
 
 /// What the robot needs.
 struct Footprint {

@@ -1,4 +1,4 @@
-#include "planner/utility/surface_tally.h"
+#include "planner/stopping/surface_tally.h"
 
 #include <algorithm>
 #include <cmath>

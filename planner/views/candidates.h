@@ -5,8 +5,8 @@
 
 #include "core/geometry.h"
 #include "core/rng.h"
-#include "planner/candidates/passages.h"
-#include "planner/candidates/walkable.h"
+#include "planner/views/passages.h"
+#include "planner/views/walkable.h"
 
 namespace atlas::planner {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "planner/candidates/walkable.h"
+#include "planner/views/walkable.h"
 
 namespace atlas::planner {
 

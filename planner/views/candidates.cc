@@ -1,4 +1,4 @@
-#include "planner/candidates/candidates.h"
+#include "planner/views/candidates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "planner/candidates/ompl_bridge.h"
+#include "planner/views/ompl_bridge.h"
 
 namespace atlas::planner {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "planner/candidates/walkable.h"
+#include "planner/views/walkable.h"
 
 namespace atlas::planner {
 

@@ -9,11 +9,9 @@
 #include "core/lidar_model.h"
 #include "core/params.h"
 #include "core/rng.h"
-#include "mapping/map_view.h"
 #include "mapping/terrain/elevation_map.h"
-#include "mapping/terrain/traversable_ground.h"
 #include "planner/gain/view_evaluator.h"
-#include "planner/global/blocked_ways.h"
+#include "planner/planner.h"
 
 namespace atlas::planner {
 
@@ -69,67 +67,9 @@ struct NbvParams {
   /// all plans.
   double blocked_share = 0.2;
   int rrt_star_iterations = 800;
-  std::vector<std::string> route;  ///< route: where to go (planner/route_planner.h)
+  std::vector<std::string> route;  ///< route: where to go (planner/planners/route_planner.h)
   mapping::TerrainParams terrain;
   void Visit(core::ParamVisitor& v);
-};
-
-enum class LossReason { kChosen, kLowerUtility, kBlacklisted, kUnreachable, kNoGain };
-
-/// A viewpoint candidate x = (x, y, yaw) with all that decided about it; tables, plots and video recompute
-/// nothing.
-struct Candidate {
-  core::Vec2 p_map = core::Vec2::Zero();
-  double yaw_rad = 0.0;
-  double ground_m = 0.0;
-  int node = -1;               ///< RRT node it stands on
-  double path_length_m = 0.0;  ///< along the tree
-  double gain = 0.0;           ///< g_x of the deciding gain
-  double surface_m2 = 0.0;     ///< surface_frontier, where the planner decides by it
-  double worth = 0.0;          ///< what Eq. 3.1 takes for g_x: the gain, or the surface modulated by it
-  std::vector<double> extra_gains;
-  double gain_void = 0.0, gain_ground = 0.0,
-         gain_object = 0.0;  ///< the deciding gain split by where its rays end
-  double visited_cost = 0.0, too_close_cost = 0.0, position_cost = 0.0, traversal_cost = 0.0;
-  double utility = 0.0;  ///< Eq. 3.1
-  LossReason reason = LossReason::kLowerUtility;
-};
-
-/// How a plan ends: with a view to go to, or with the mission.
-enum class NbvOutcome {
-  kView,
-  kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
-  kSurfaceFlat,    ///< sweeps in a row brought next to no surface, whatever views promise
-  kRouteDone,      ///< all views of a given route were visited
-  kBlockedNarrow,  ///< as gain_exhausted or surface_flat, but views that promise more lie beyond ways too
-                   ///< narrow
-  kOutOfReach,     ///< nothing of the object was seen from within range, and no way brings the robot nearer
-  kNoCandidates    ///< no place to go to
-};
-
-struct NbvDecision {
-  NbvOutcome outcome = NbvOutcome::kNoCandidates;
-  std::vector<Candidate> candidates;
-  int best = -1;  ///< index into candidates
-  int nodes_obtained = 0;
-  int attempts = 0;
-  size_t rays_traced = 0;
-  double utility_ratio = 0.0;        ///< best over the greatest so far
-  std::vector<core::Vec2> path_map;  ///< from the robot to the view (RRT*)
-  double path_length_m = 0.0;
-  /// Ways thought too narrow, all that are known; judged (worth_share) by the plan that ends the mission.
-  std::vector<BlockedWay> blocked;
-};
-
-class NbvPlanner {
- public:
-  virtual ~NbvPlanner() = default;
-  /// Tells the planner that a sweep was taken at this base pose, and the share of ground-truth-free progress:
-  /// `new_surface` = voxels of the object that returned for the first time (SurfaceTally), so that views that
-  /// promise and do not deliver are blacklisted.
-  virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
-  virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::MapView& map,
-                           const mapping::TraversableGround& terrain) = 0;
 };
 
 struct PlannerEntry {

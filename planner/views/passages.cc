@@ -2,7 +2,7 @@
 // headings until they come out on another such area. A gap gives many of them, side by side and slightly
 // askew; each is moved to the middle of the room that it has, and of those that lie together the roomiest is
 // kept.
-#include "planner/candidates/passages.h"
+#include "planner/views/passages.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // OMPL draws from generators that a process-wide seed feeds. That seed is set once, from the first run seed
 // seen here; all samples that decide anything come from the passed stream, so results repeat within a process
 // too.
-#include "planner/candidates/ompl_bridge.h"
+#include "planner/views/ompl_bridge.h"
 
 #include <ompl/base/Planner.h>
 #include <ompl/base/goals/GoalState.h>

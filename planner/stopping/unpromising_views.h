@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "planner/nbv_planner.h"
+#include "planner/decision.h"
 
 namespace atlas::planner {
 

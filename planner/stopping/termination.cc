@@ -1,4 +1,4 @@
-#include "planner/utility/termination.h"
+#include "planner/stopping/termination.h"
 
 #include <algorithm>
 #include <numeric>

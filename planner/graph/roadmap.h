@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "planner/candidates/candidates.h"
+#include "planner/views/candidates.h"
 
 namespace atlas::planner {
 

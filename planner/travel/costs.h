@@ -6,7 +6,7 @@
 #include "core/geometry.h"
 #include "mapping/grid/occupied_index.h"
 #include "mapping/map_view.h"
-#include "planner/candidates/walkable.h"
+#include "planner/views/walkable.h"
 
 namespace atlas::planner {
 

@@ -1,5 +1,5 @@
 #include "planner/gain/gain.h"
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 
 namespace atlas::planner {
 namespace {

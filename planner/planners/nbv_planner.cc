@@ -1,20 +1,21 @@
-#include "planner/nbv_planner.h"
+#include "planner/planners/nbv_planner.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/errors.h"
-#include "planner/candidates/candidates.h"
 #include "planner/gain/gain.h"
 #include "planner/gain/view_evaluator.h"
-#include "planner/global/roadmap.h"
-#include "planner/path/recovery.h"
-#include "planner/path/view_path.h"
-#include "planner/route_planner.h"
-#include "planner/utility/costs.h"
-#include "planner/utility/termination.h"
-#include "planner/utility/unpromising_views.h"
-#include "planner/utility/view_memory.h"
+#include "planner/graph/blocked_ways.h"
+#include "planner/graph/roadmap.h"
+#include "planner/planners/route_planner.h"
+#include "planner/stopping/termination.h"
+#include "planner/stopping/unpromising_views.h"
+#include "planner/stopping/view_memory.h"
+#include "planner/travel/costs.h"
+#include "planner/travel/recovery.h"
+#include "planner/travel/view_path.h"
+#include "planner/views/candidates.h"
 
 namespace atlas::planner {
 namespace {

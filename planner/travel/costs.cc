@@ -1,4 +1,4 @@
-#include "planner/utility/costs.h"
+#include "planner/travel/costs.h"
 
 #include <algorithm>
 #include <cmath>

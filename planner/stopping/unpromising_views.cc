@@ -1,9 +1,9 @@
-#include "planner/utility/unpromising_views.h"
+#include "planner/stopping/unpromising_views.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "planner/utility/costs.h"
+#include "planner/travel/costs.h"
 
 namespace atlas::planner {
 namespace {

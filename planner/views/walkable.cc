@@ -1,4 +1,4 @@
-#include "planner/candidates/walkable.h"
+#include "planner/views/walkable.h"
 
 #include <algorithm>
 #include <cmath>

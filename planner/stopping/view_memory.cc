@@ -1,4 +1,4 @@
-#include "planner/utility/view_memory.h"
+#include "planner/stopping/view_memory.h"
 
 #include <cmath>
 

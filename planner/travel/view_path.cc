@@ -1,8 +1,8 @@
-#include "planner/path/view_path.h"
+#include "planner/travel/view_path.h"
 
 #include <algorithm>
 
-#include "planner/candidates/ompl_bridge.h"
+#include "planner/views/ompl_bridge.h"
 
 namespace atlas::planner {
 namespace {

@@ -1,0 +1,69 @@
+// What a plan decides, and all that decided it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/geometry.h"
+
+namespace atlas::planner {
+
+enum class LossReason { kChosen, kLowerUtility, kBlacklisted, kUnreachable, kNoGain };
+
+/// A viewpoint candidate x = (x, y, yaw) with all that decided about it; tables, plots and video recompute
+/// nothing.
+struct Candidate {
+  core::Vec2 p_map = core::Vec2::Zero();
+  double yaw_rad = 0.0;
+  double ground_m = 0.0;
+  int node = -1;               ///< RRT node it stands on
+  double path_length_m = 0.0;  ///< along the tree
+  double gain = 0.0;           ///< g_x of the deciding gain
+  double surface_m2 = 0.0;     ///< surface_frontier, where the planner decides by it
+  double worth = 0.0;          ///< what Eq. 3.1 takes for g_x: the gain, or the surface modulated by it
+  std::vector<double> extra_gains;
+  double gain_void = 0.0, gain_ground = 0.0,
+         gain_object = 0.0;  ///< the deciding gain split by where its rays end
+  double visited_cost = 0.0, too_close_cost = 0.0, position_cost = 0.0, traversal_cost = 0.0;
+  double utility = 0.0;  ///< Eq. 3.1
+  LossReason reason = LossReason::kLowerUtility;
+};
+
+/// Ground that a thinner robot would reach, and the narrowest place on the widest way to it.
+struct BlockedWay {
+  core::Vec2 p_map = core::Vec2::Zero();  ///< middle of the narrowest place
+  double width_m = 0.0;                   ///< free width there
+  /// What the robot needs: the width of its footprint, or, where that fits, of its turning circle.
+  double needed_m = 0.0;
+  std::vector<core::Vec3> beyond_map;  ///< ground points beyond it, spread out
+  /// Of the best view from there over the best of all plans; nothing where no plan judged it.
+  std::optional<double> worth_share = std::nullopt;
+};
+
+/// How a plan ends: with a view to go to, or with the mission.
+enum class NbvOutcome {
+  kView,
+  kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
+  kSurfaceFlat,    ///< sweeps in a row brought next to no surface, whatever views promise
+  kRouteDone,      ///< all views of a given route were visited
+  kBlockedNarrow,  ///< as gain_exhausted or surface_flat, but views that promise more lie beyond ways too
+                   ///< narrow
+  kOutOfReach,     ///< nothing of the object was seen from within range, and no way brings the robot nearer
+  kNoCandidates    ///< no place to go to
+};
+
+struct NbvDecision {
+  NbvOutcome outcome = NbvOutcome::kNoCandidates;
+  std::vector<Candidate> candidates;
+  int best = -1;  ///< index into candidates
+  int nodes_obtained = 0;
+  int attempts = 0;
+  size_t rays_traced = 0;
+  double utility_ratio = 0.0;        ///< best over the greatest so far
+  std::vector<core::Vec2> path_map;  ///< from the robot to the view (RRT*)
+  double path_length_m = 0.0;
+  /// Ways thought too narrow, all that are known; judged (worth_share) by the plan that ends the mission.
+  std::vector<BlockedWay> blocked;
+};
+
+}  // namespace atlas::planner
