@@ -100,9 +100,10 @@ function(atlas_room name)
   target_precompile_headers(atlas_${name} REUSE_FROM atlas_headers)
 endfunction()
 
-# atlas_trade(ROOM FOLDER [LIBRARIES ...] [PRIVATE ...] [EXCLUDE regex] [ALONE regex]): a room's folder as a library of its own.
+# atlas_trade(ROOM FOLDER [HOT] [LIBRARIES ...] [PRIVATE ...] [EXCLUDE regex] [ALONE regex]): a room's folder as a library of
+# its own.
 function(atlas_trade room folder)
-  cmake_parse_arguments(ARG "" "EXCLUDE;ALONE" "LIBRARIES;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "HOT" "EXCLUDE;ALONE" "LIBRARIES;PRIVATE" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cc)
   if(ARG_EXCLUDE)
     list(FILTER sources EXCLUDE REGEX ${ARG_EXCLUDE})
@@ -111,7 +112,12 @@ function(atlas_trade room folder)
   add_library(atlas_${room}_${folder} STATIC ${units})
   target_link_libraries(atlas_${room}_${folder} PUBLIC atlas_options Eigen3::Eigen Threads::Threads ${ARG_LIBRARIES}
                                                 PRIVATE ${ARG_PRIVATE})
-  target_precompile_headers(atlas_${room}_${folder} REUSE_FROM atlas_headers)
+  if(ARG_HOT)
+    target_compile_options(atlas_${room}_${folder} PRIVATE $<$<CONFIG:Release>:-O3>)
+    target_precompile_headers(atlas_${room}_${folder} REUSE_FROM atlas_hot_headers)
+  else()
+    target_precompile_headers(atlas_${room}_${folder} REUSE_FROM atlas_headers)
+  endif()
 endfunction()
 
 # atlas_test(NAME SOURCES... LIBRARIES ... [ALONE regex]): one GoogleTest executable, registered with CTest.

@@ -1,5 +1,5 @@
 // A saloon car, 4.5 x 1.8 x 1.5 m, nose along +x, standing on flat ground.
-#include "scenes/ground.h"
+#include "scenes/build/ground.h"
 #include "scenes/scenes.h"
 
 namespace atlas::scenes {

@@ -3,8 +3,8 @@
 // It runs along x and faces -y; the wall's plane is y = 0. Only the front is the object: the block behind,
 // the coping on top and the neighbours at both ends close it off, so that the truth holds what can be seen
 // from the ground in front.
+#include "scenes/build/ground.h"
 #include "scenes/build/openings.h"
-#include "scenes/ground.h"
 #include "scenes/scenes.h"
 
 namespace atlas::scenes {

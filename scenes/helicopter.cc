@@ -3,8 +3,8 @@
 // Nose along +x, skids on the deck at z = 0. The deck's edges, its stairwells and the skirt under the belly
 // are the mobility hazards of the thesis's site.
 #include "scenes/build/convex_hull.h"
+#include "scenes/build/deck.h"
 #include "scenes/build/scene_builder.h"
-#include "scenes/deck.h"
 #include "scenes/scenes.h"
 
 namespace atlas::scenes {

@@ -1,7 +1,7 @@
 // A detached house with porch, pitched roof and chimney, about 8 x 10 x 6 m.
 //
 // The ridge runs along y; the porch faces +x. The body is one solid; frames stand proud of the walls.
-#include "scenes/ground.h"
+#include "scenes/build/ground.h"
 #include "scenes/scenes.h"
 
 namespace atlas::scenes {

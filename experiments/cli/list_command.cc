@@ -10,7 +10,7 @@
 #include "experiments/identity/experiment_config.h"
 #include "experiments/results/run_summary.h"
 #include "experiments/sweep/sweep_spec.h"
-#include "mapping/map.h"
+#include "mapping/backends/catalog.h"
 #include "planner/gain/gain.h"
 #include "planner/planners/nbv_planner.h"
 #include "robots/robot_spec.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/params.h"
-#include "mapping/map.h"
+#include "mapping/backends/catalog.h"
 #include "mapping/slam/localiser.h"
 #include "planner/planners/nbv_planner.h"
 #include "sim/simulator.h"

@@ -13,7 +13,7 @@
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 #include "scenes/scene_files.h"
-#include "sim/world_model.h"
+#include "sim/world/world_model.h"
 
 namespace atlas::experiments {
 namespace fs = std::filesystem;

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "mapping/map.h"
+#include "mapping/backends/catalog.h"
 
 namespace atlas::mapping {
 

@@ -1,7 +1,7 @@
 #include "scenes/town/relief.h"
 
+#include "scenes/build/ground.h"
 #include "scenes/build/smooth_way.h"
-#include "scenes/ground.h"
 
 namespace atlas::scenes {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "sim/locomotion/leg_kinematics.h"
-#include "sim/locomotion/robot_state.h"
 #include "sim/locomotion/terrain_sampler.h"
+#include "sim/world/leg_kinematics.h"
+#include "sim/world/robot_state.h"
 
 namespace atlas::sim {
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "sim/locomotion/gait_schedule.h"
-#include "sim/locomotion/robot_state.h"
+#include "sim/world/robot_state.h"
 
 namespace atlas::sim {
 namespace {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "sim/locomotion/foothold.h"
-#include "sim/locomotion/robot_state.h"
 #include "sim/locomotion/terrain_sampler.h"
+#include "sim/world/robot_state.h"
 
 namespace atlas::sim {
 

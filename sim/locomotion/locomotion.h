@@ -8,7 +8,7 @@
 #include "sim/locomotion/terrain_sampler.h"
 #include "sim/locomotion/trot_controller.h"
 #include "sim/simulator.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace atlas::sim {
 

@@ -3,7 +3,7 @@
 
 #include "sim/locomotion/trot_controller.h"
 #include "sim/simulator.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace atlas::sim {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/rng.h"
-#include "sim/locomotion/robot_state.h"
+#include "sim/world/robot_state.h"
 
 namespace atlas::sim {
 

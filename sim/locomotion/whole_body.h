@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "sim/locomotion/robot_state.h"
+#include "sim/world/robot_state.h"
 
 namespace atlas::sim {
 

@@ -5,8 +5,8 @@
 #include <cassert>
 
 #include "core/errors.h"
-#include "sim/mujoco_guard.h"
-#include "sim/robot_meshes.h"
+#include "sim/world/mujoco_guard.h"
+#include "sim/world/robot_meshes.h"
 
 namespace atlas::sim {
 namespace {

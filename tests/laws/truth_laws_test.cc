@@ -32,8 +32,9 @@ std::set<std::string> FilesThatSay(const std::vector<std::string>& words) {
 
 TEST(TruthLaw, OnlyTheJudgeTheFilmAndTheLocaliserTruthReadIt) {
   const std::set<std::string> readers = FilesThatSay({"TrueBasePose", "TrueState", "AddStateObserver"});
-  const std::set<std::string> allowed = {"experiments/judge/mission_metrics.cc", "experiments/mission/run_film.cc",
-                                         "experiments/mission/run_localiser.cc", "experiments/video/run_recording.h"};
+  const std::set<std::string> allowed = {
+      "experiments/judge/mission_metrics.cc", "experiments/mission/run_film.cc",
+      "experiments/mission/run_localiser.cc", "experiments/video/run_recording.h"};
   for (const std::string& file : readers) EXPECT_TRUE(allowed.count(file) > 0) << file;
   EXPECT_TRUE(readers.count("experiments/judge/mission_metrics.cc") > 0) << "or this test reads nothing";
 }

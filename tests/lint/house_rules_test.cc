@@ -75,6 +75,9 @@ TEST(HouseRules, RoomsIncludeOnlyTheRoomsBelowThem) {
 
 /// The folders of rooms that hold several trades, each above those before it.
 const std::map<std::string, std::vector<std::string>> kTrades = {
+    {"scenes", {"build", "town"}},
+    {"sim", {"world", "render", "sensors", "locomotion", "walking"}},
+    {"mapping", {"cloud", "octree", "grid", "integrator", "meshing", "io", "terrain", "slam", "backends"}},
     {"planner", {"views", "graph", "gain", "travel", "stopping", "planners"}},
     {"experiments",
      {"identity", "results", "judge", "video", "mission", "report", "sweep", "record", "mapping_tools",

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/mapping_tools/offline_map.h"
-#include "mapping/map.h"
+#include "mapping/backends/catalog.h"
 #include "mapping/terrain/elevation_map.h"
 #include "scenes/catalog.h"
 #include "sim/simulator.h"

@@ -6,8 +6,8 @@
 
 #include "core/errors.h"
 #include "core/rng.h"
+#include "mapping/backends/catalog.h"
 #include "mapping/grid/occupied_index.h"
-#include "mapping/map.h"
 #include "tests/support/placed_spins.h"
 
 namespace atlas::mapping {

@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "core/rng.h"
+#include "mapping/backends/catalog.h"
 #include "mapping/io/map_file.h"
-#include "mapping/map.h"
 #include "tests/support/placed_spins.h"
 
 namespace atlas::mapping {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
-#include "scenes/ground.h"
+#include "scenes/build/ground.h"
 #include "scenes/solid_test.h"
 #include "tests/unit/scenes/mesh_checks.h"
 

@@ -3,9 +3,9 @@
 #include <unordered_map>
 
 #include "core/rng.h"
+#include "scenes/build/ground.h"
 #include "scenes/build/scene_builder.h"
 #include "scenes/catalog.h"
-#include "scenes/ground.h"
 #include "scenes/solid_test.h"
 
 namespace atlas::scenes {

@@ -3,8 +3,8 @@
 #include "core/rng.h"
 #include "locomotion_scenes.h"
 #include "robots/robot_spec.h"
-#include "sim/locomotion/leg_kinematics.h"
-#include "sim/world.h"
+#include "sim/world/leg_kinematics.h"
+#include "sim/world/world.h"
 
 namespace atlas::sim {
 namespace {

@@ -1,5 +1,5 @@
 // What odometry errs by, against the statistics that its parameters state.
-#include "sim/odometry.h"
+#include "sim/walking/odometry.h"
 
 #include <gtest/gtest.h>
 

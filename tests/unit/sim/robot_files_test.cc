@@ -9,7 +9,7 @@
 #include "core/files.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
-#include "sim/world_model.h"
+#include "sim/world/world_model.h"
 
 #include <mujoco/mujoco.h>
 

@@ -5,7 +5,7 @@
 #include "sim/locomotion/locomotion.h"
 #include "sim/locomotion/safety_monitor.h"
 #include "sim/locomotion/trot_controller.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace atlas::sim::test {
 

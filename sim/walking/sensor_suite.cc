@@ -1,4 +1,4 @@
-#include "sim/sensor_suite.h"
+#include "sim/walking/sensor_suite.h"
 
 namespace atlas::sim {
 namespace {

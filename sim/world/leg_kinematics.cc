@@ -1,4 +1,4 @@
-#include "sim/locomotion/leg_kinematics.h"
+#include "sim/world/leg_kinematics.h"
 
 namespace atlas::sim {
 

@@ -1,4 +1,4 @@
-#include "scenes/deck.h"
+#include "scenes/build/deck.h"
 
 #include "scenes/build/openings.h"
 

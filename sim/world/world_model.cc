@@ -1,4 +1,4 @@
-#include "sim/world_model.h"
+#include "sim/world/world_model.h"
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "core/errors.h"
-#include "sim/mujoco_guard.h"
-#include "sim/world_mjcf.h"
+#include "sim/world/mujoco_guard.h"
+#include "sim/world/world_mjcf.h"
 
 namespace atlas::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenes/ground.h"
+#include "scenes/build/ground.h"
 
 #include "core/rng.h"
 

@@ -3,8 +3,8 @@
 #include "sim/locomotion/locomotion.h"
 #include "sim/locomotion/path_tracker.h"
 #include "sim/locomotion/roll_profile.h"
-#include "sim/odometry.h"
-#include "sim/sensor_suite.h"
+#include "sim/walking/odometry.h"
+#include "sim/walking/sensor_suite.h"
 
 namespace atlas::sim {
 namespace {

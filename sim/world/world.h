@@ -10,8 +10,8 @@
 #include "core/mesh.h"
 #include "robots/robot_spec.h"
 #include "scenes/scene_spec.h"
-#include "sim/locomotion/leg_kinematics.h"
-#include "sim/locomotion/robot_state.h"
+#include "sim/world/leg_kinematics.h"
+#include "sim/world/robot_state.h"
 
 namespace atlas::sim {
 

@@ -1,4 +1,4 @@
-#include "mapping/map.h"
+#include "mapping/backends/catalog.h"
 
 #include "core/catalog.h"
 #include "mapping/backends/dense_grid_map.h"
@@ -53,7 +53,7 @@ void MapperParams::Visit(core::ParamVisitor& v) {
 const std::vector<CatalogEntry>& Catalog() {
   static const std::vector<CatalogEntry> kCatalog = {
 #define X(name, builder, doc) {name, doc, builder},
-#include "mapping/catalog.inc"
+#include "mapping/backends/catalog.inc"
 #undef X
   };
   return kCatalog;

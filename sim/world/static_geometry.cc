@@ -1,4 +1,4 @@
-#include "sim/static_geometry.h"
+#include "sim/world/static_geometry.h"
 
 #include <mujoco/mujoco.h>
 

@@ -1,4 +1,4 @@
-#include "sim/odometry.h"
+#include "sim/walking/odometry.h"
 
 namespace atlas::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/world_mjcf.h"
+#include "sim/world/world_mjcf.h"
 
 #include <fmt/format.h>
 

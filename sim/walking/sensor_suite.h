@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "sim/locomotion/locomotion.h"
-#include "sim/odometry.h"
 #include "sim/sensors/depth_camera.h"
 #include "sim/sensors/lidar.h"
+#include "sim/walking/odometry.h"
 
 namespace atlas::sim {
 

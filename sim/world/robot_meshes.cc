@@ -1,4 +1,4 @@
-#include "sim/robot_meshes.h"
+#include "sim/world/robot_meshes.h"
 
 #include <mujoco/mujoco.h>
 

@@ -1,12 +1,12 @@
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include "core/errors.h"
-#include "sim/robot_meshes.h"
-#include "sim/static_geometry.h"
-#include "sim/world_model.h"
+#include "sim/world/robot_meshes.h"
+#include "sim/world/static_geometry.h"
+#include "sim/world/world_model.h"
 
 namespace atlas::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/mujoco_guard.h"
+#include "sim/world/mujoco_guard.h"
 
 #include <mujoco/mujoco.h>
 
