@@ -15,6 +15,10 @@ const std::vector<CatalogEntry>& Catalog() {
   return catalog;
 }
 
+core::LidarModel LidarOf(const RobotSpec& robot, const std::string& name) {
+  return core::FindLidarModel(name == "robot" ? robot.lidar_model : name);
+}
+
 RobotSpec LoadRobot(const std::string& name_or_path) {
   const std::filesystem::path path(name_or_path);
   const CatalogEntry* entry = core::FindEntry(Catalog(), name_or_path);

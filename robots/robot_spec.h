@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/lidar_model.h"
 #include "core/robot_extent.h"
 
 namespace atlas::robots {
@@ -32,5 +33,8 @@ const std::vector<CatalogEntry>& Catalog();
 /// A built-in robot by name, or "path/robot.xml" (an MJCF with the same body, joint and site names).
 /// @throws InputError for an unknown name or a missing file.
 RobotSpec LoadRobot(const std::string& name_or_path);
+
+/// The LiDAR that carries the name; "robot": the robot's own. @throws InputError for an unknown name.
+core::LidarModel LidarOf(const RobotSpec& robot, const std::string& name);
 
 }  // namespace atlas::robots

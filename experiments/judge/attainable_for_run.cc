@@ -8,15 +8,6 @@
 
 namespace atlas::experiments {
 
-namespace {
-
-core::LidarModel LidarOf(const ExperimentConfig& config, const robots::RobotSpec& robot) {
-  const std::string& named = config.sim.sensors.lidar;
-  return core::FindLidarModel(named == "robot" ? robot.lidar_model : named);
-}
-
-}  // namespace
-
 AttainableOptions AttainableOptionsFor(const ExperimentConfig& config, int threads) {
   AttainableOptions options;
   options.radius_m = config.mission.coverage_radius_m;
@@ -31,7 +22,7 @@ std::vector<uint8_t> AttainableFor(const ExperimentConfig& config, const RunOpti
                                    const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
                                    const scenes::GroundTruth& truth) {
   return LoadOrComputeAttainable(
-             scene, truth, robot, LidarOf(config, robot), AttainableOptionsFor(config, options.threads),
+             scene, truth, robot, robots::LidarOf(robot, config.sim.sensors.lidar), AttainableOptionsFor(config, options.threads),
              core::CacheDirectory(),
              [&options](double share) {
                options.progress(fmt::format("finding what is attainable: {:3.0f} %", 100.0 * share), false);
@@ -48,7 +39,7 @@ std::unique_ptr<ExploredVolume> ExploredVolumeFor(const ExperimentConfig& config
   volume.sweep_roll_deg = config.sim.locomotion.sweep_roll_deg;
   volume.threads = options.threads;
   return std::make_unique<ExploredVolume>(
-      scene, robot, LidarOf(config, robot), volume, SceneRays(scene, options.threads),
+      scene, robot, robots::LidarOf(robot, config.sim.sensors.lidar), volume, SceneRays(scene, options.threads),
       [&options](double share) {
         options.progress(fmt::format("finding what volume is attainable: {:3.0f} %", 100.0 * share), false);
       });

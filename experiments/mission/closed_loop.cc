@@ -1,123 +1,17 @@
 #include "experiments/mission/closed_loop.h"
 
-#include <fmt/format.h>
-
 #include <optional>
 
 #include "core/files.h"
-#include "core/lidar_model.h"
 #include "core/stopwatch.h"
-#include "core/task_lanes.h"
-#include "experiments/judge/mission_metrics.h"
 #include "experiments/mission/ending.h"
-#include "experiments/mission/run_film.h"
-#include "experiments/mission/run_localiser.h"
-#include "experiments/mission/sensor_feed.h"
+#include "experiments/mission/mission.h"
 #include "experiments/results/run_folder.h"
-#include "mapping/terrain/posed_ground.h"
-#include "planner/stopping/surface_tally.h"
-#include "robots/robot_spec.h"
-#include "scenes/catalog.h"
 
 namespace atlas::experiments {
 namespace {
 
 using core::Pose;
-
-/// Everything that takes part in a mission, built from its configuration.
-struct Mission {
-  Mission(const ExperimentConfig& config, const RunOptions& options)
-      : config(config),
-        options(options),
-        rng(static_cast<uint64_t>(config.seed)),
-        scene(scenes::LoadScene(config.scene.name)),
-        robot(robots::LoadRobot(config.robot.name)),
-        film(config, options),
-        metrics(config, options, scene, robot),
-        simulator(sim::MakeSimulator(scene, robot, SimParamsFor(config, options), rng.Split("sim"))),
-        region(mapping::RegionOf(config.mapper, scene.object_box)),
-        map(mapping::MakeMap(config.mapper, MapSetup())),
-        localiser(MakeLocaliserFor(config, scene, *simulator, rng.Split("sim").Split("odometry"))),
-        cloud(region, config.mapper.integrator.max_range_m, config.mapper.downsample_m),
-        terrain(config.planner.terrain, robot),
-        feed({}, Listeners(), &lanes),
-        planner(planner::MakeNbvPlanner(config.planner, RobotModel(), {scene.object_box, region},
-                                        options.threads, rng.Split("planner"))),
-        surface(scene.object_box, config.mapper.resolution_m),
-        lanes(kTaskLanes, options.threads > 1) {
-    terrain.InitialiseUnderRobot(simulator->T_odom_base());
-    simulator->SetLocalisation(localiser->T_map_odom());
-    simulator->SetSink(&feed);
-    simulator->SetStop(options.should_stop);
-    metrics.Attach(simulator.get());
-    film.Attach(simulator.get());
-  }
-
-  static sim::SimParams SimParamsFor(const ExperimentConfig& config, const RunOptions& options) {
-    sim::SimParams params = config.sim;
-    params.sensors.threads = options.threads;
-    return params;
-  }
-
-  SensorFeed::Listeners Listeners() {
-    return {.localiser = localiser.get(),
-            .terrain = &terrain,
-            .map = map.get(),
-            .cloud = &cloud,
-            .on_localised = [this](const Pose& T_map_odom) { simulator->SetLocalisation(T_map_odom); },
-            .on_cloud =
-                [this](const mapping::ReturnCloud& returns) {
-                  metrics.TakeCloud(returns);
-                  returns_map.insert(returns_map.end(), returns.points.begin(), returns.points.end());
-                }};
-  }
-
-  mapping::MapSetup MapSetup() const {
-    return {.lidar = Lidar(),
-            .keep_map = region,
-            .behind_surface = planner::ReadsOf(config.planner).behind_surface};
-  }
-
-  core::LidarModel Lidar() const {
-    const std::string& name = config.sim.sensors.lidar;
-    return core::FindLidarModel(name == "robot" ? robot.lidar_model : name);
-  }
-
-  /// The simulation's own profile of the roll, period and speed.
-  planner::RobotModel RobotModel() const {
-    const sim::LocomotionParams& motion = config.sim.locomotion;
-    return {.sensor = {.lidar = Lidar(),
-                       .T_base_lidar = robot.T_base_lidar,
-                       .base_height_m = robot.stance_height_m,
-                       .roll = {core::Radians(motion.sweep_roll_deg), motion.sweep_period_s}},
-            .speed_mps = motion.speed_mps,
-            .half_width_m = robot.half_width_m,
-            .turning_radius_m = robot.footprint_radius_m};
-  }
-
-  mapping::PosedGround Ground() const { return {terrain, T_map_base(), simulator->T_odom_base()}; }
-  Pose T_map_base() const { return localiser->T_map_odom() * simulator->T_odom_base(); }
-
-  const ExperimentConfig& config;
-  const RunOptions& options;
-  core::Rng rng;
-  scenes::SceneSpec scene;
-  robots::RobotSpec robot;
-  RunFilm film;
-  MissionMetrics metrics;
-  std::unique_ptr<sim::Simulator> simulator;
-  core::Box3 region;  ///< about the object: what the map keeps
-  std::unique_ptr<mapping::Map> map;
-  std::unique_ptr<mapping::Localiser> localiser;
-  mapping::ScanCloud cloud;
-  mapping::ElevationMap terrain;
-  SensorFeed feed;
-  std::unique_ptr<planner::NbvPlanner> planner;
-  planner::SurfaceTally surface;
-  double odometry_distance_m = 0.0;      ///< walked so far, as the robot knows it
-  std::vector<core::Vec3f> returns_map;  ///< since the last sweep was tallied; of tasks on kMapLane
-  core::TaskLanes lanes;                 ///< ends before what its tasks work on
-};
 
 /// Sweeps while the map takes the walk that led here and what the sweep sees; the robot stands until both are
 /// integrated, and the planner learns how much surface was new.

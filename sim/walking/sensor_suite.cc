@@ -9,7 +9,7 @@ constexpr double kBodySpacingS = 0.01;
 constexpr double kTimeEps = 1e-6;  ///< clocks add up steps
 
 core::LidarModel ModelFor(const SensorParams& params, const robots::RobotSpec& robot) {
-  core::LidarModel model = core::FindLidarModel(params.lidar == "robot" ? robot.lidar_model : params.lidar);
+  core::LidarModel model = robots::LidarOf(robot, params.lidar);
   if (params.range_sigma_m >= 0.0) model.range_sigma_m = params.range_sigma_m;
   return model;
 }
