@@ -22,8 +22,8 @@ std::vector<uint8_t> AttainableFor(const ExperimentConfig& config, const RunOpti
                                    const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
                                    const scenes::GroundTruth& truth) {
   return LoadOrComputeAttainable(
-             scene, truth, robot, robots::LidarOf(robot, config.sim.sensors.lidar), AttainableOptionsFor(config, options.threads),
-             core::CacheDirectory(),
+             scene, truth, robot, robots::LidarOf(robot, config.sim.sensors.lidar),
+             AttainableOptionsFor(config, options.threads), core::CacheDirectory(),
              [&options](double share) {
                options.progress(fmt::format("finding what is attainable: {:3.0f} %", 100.0 * share), false);
              })
@@ -39,8 +39,8 @@ std::unique_ptr<ExploredVolume> ExploredVolumeFor(const ExperimentConfig& config
   volume.sweep_roll_deg = config.sim.locomotion.sweep_roll_deg;
   volume.threads = options.threads;
   return std::make_unique<ExploredVolume>(
-      scene, robot, robots::LidarOf(robot, config.sim.sensors.lidar), volume, SceneRays(scene, options.threads),
-      [&options](double share) {
+      scene, robot, robots::LidarOf(robot, config.sim.sensors.lidar), volume,
+      SceneRays(scene, options.threads), [&options](double share) {
         options.progress(fmt::format("finding what volume is attainable: {:3.0f} %", 100.0 * share), false);
       });
 }

@@ -3,8 +3,8 @@
 namespace atlas::sim {
 namespace {
 
-constexpr double kProbeAboveM = 0.6;  ///< higher surfaces overhang or wall off; they are not ground
-constexpr double kPitM = 1.0;         ///< a drop deeper than this carries no foot
+constexpr double kGroundProbeAboveM = 0.6;  ///< higher surfaces overhang or wall off; they are not ground
+constexpr double kPitM = 1.0;               ///< a drop deeper than this carries no foot
 
 }  // namespace
 
@@ -29,7 +29,7 @@ TerrainSampler::Sample TerrainSampler::Perceived(double x, double y, double z_pl
 }
 
 TerrainSampler::Sample TerrainSampler::Truth(double x, double y, double z_plane) const {
-  const double z_probe = z_plane + kProbeAboveM;
+  const double z_probe = z_plane + kGroundProbeAboveM;
   const std::optional<double> z = true_ground_({x, y, z_probe});
   if (!z || *z < z_plane - kPitM) return {z_plane - kPitM, true, false};
   return {*z, true, *z < z_probe};

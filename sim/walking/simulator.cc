@@ -13,7 +13,7 @@ constexpr double kControlPeriodS = 0.02;
 constexpr double kStandTimeoutS = 4.0;
 constexpr double kRollReturnRate = 0.8;  ///< rad/s, after a sweep that was stopped
 constexpr double kDistanceSpacingM = 0.02;
-constexpr double kTimeEps = 1e-6;
+constexpr double kTickEps = 1e-6;
 
 /// Length of a way on the ground, in steps long enough that swaying does not add to it.
 class Odometer {
@@ -109,7 +109,7 @@ void WalkingSimulator::Measure(double now_s) {
   walked_.Observe(T_map_base);
   walked_by_odometry_.Observe(odometry_.T_odom_base());
   for (StateObserver& observer : observers_) {
-    if (now_s < observer.next_s - kTimeEps) continue;
+    if (now_s < observer.next_s - kTickEps) continue;
     observer.next_s += observer.period_s;
     observer.hear(TrueState());
   }
@@ -131,7 +131,7 @@ void WalkingSimulator::Step() {
 MotionStatus WalkingSimulator::Run(const Tick& tick) {
   double next_tick_s = time_s();
   while (true) {
-    if (time_s() >= next_tick_s - kTimeEps) {
+    if (time_s() >= next_tick_s - kTickEps) {
       next_tick_s += kControlPeriodS;
       if (locomotion_->fallen()) return MotionStatus::kFell;
       if (should_stop_ && should_stop_()) return MotionStatus::kStopped;
@@ -156,7 +156,7 @@ MotionStatus WalkingSimulator::Stand(double duration_s) {
   locomotion_->SetCommand({});
   const double end = time_s() + duration_s;
   return Run([&](double now) -> std::optional<MotionStatus> {
-    if (now >= end - kTimeEps) return MotionStatus::kReached;
+    if (now >= end - kTickEps) return MotionStatus::kReached;
     return std::nullopt;
   });
 }
@@ -203,7 +203,7 @@ MotionStatus WalkingSimulator::RollSweep() {
   sweep_start_s_ = time_s();
   profile_.emplace(core::Radians(params_.locomotion.sweep_roll_deg), params_.locomotion.sweep_period_s);
   const MotionStatus status = Run([&](double now) -> std::optional<MotionStatus> {
-    if (now - sweep_start_s_ >= profile_->period_s() - kTimeEps) return MotionStatus::kReached;
+    if (now - sweep_start_s_ >= profile_->period_s() - kTickEps) return MotionStatus::kReached;
     return std::nullopt;
   });
   if (status == MotionStatus::kReached) {

@@ -88,7 +88,7 @@ const std::map<std::string, std::vector<std::string>> kTrades = {
 size_t PlaceOf(const std::string& path) {
   const std::vector<std::string>& trades = kTrades.at(RoomOf(path));
   const size_t begin = path.find('/') + 1, end = path.find('/', begin);
-  if (end == std::string::npos) return path.ends_with(".h") ? 0 : trades.size() + 1;
+  if (end == std::string::npos) return path.ends_with(".cc") ? trades.size() + 1 : 0;
   const auto found = std::find(trades.begin(), trades.end(), path.substr(begin, end - begin));
   EXPECT_NE(found, trades.end()) << path << ": a folder without a place (kTrades)";
   return static_cast<size_t>(found - trades.begin()) + 1;

@@ -17,8 +17,8 @@ using core::Pose;
 using core::Vec2;
 using core::Vec3;
 
-const Box3 kObjectBox{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
-const ViewTarget kTarget{kObjectBox, kObjectBox.Inflated(0.5)};
+const Box3 kHalfKnownBox{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
+const ViewTarget kHalfKnownTarget{kHalfKnownBox, kHalfKnownBox.Inflated(0.5)};
 const Vec2 kStart(0.0, -3.0);
 
 RobotModel Robot() {
@@ -30,7 +30,7 @@ RobotModel Robot() {
 
 /// Half of the object is occupied and half unknown; so is half of the ground that the map holds.
 mapping::DenseGrid HalfKnownMap() {
-  mapping::DenseGrid map(kObjectBox.Inflated(0.5), 0.1);
+  mapping::DenseGrid map(kHalfKnownBox.Inflated(0.5), 0.1);
   for (size_t i = 0; i < map.frame().count(); ++i) {
     const Vec3 p = map.frame().CenterOf(i);
     const bool thing = std::abs(p.x()) < 1.0 && std::abs(p.y()) < 0.5 && p.z() < 1.2;
@@ -44,8 +44,8 @@ mapping::DenseGrid HalfKnownMap() {
 
 NbvDecision Decide(const NbvParams& params) {
   tests::FlatGround ground(12.0, kStart);
-  ground.AddObstacle(kObjectBox.min.head<2>(), kObjectBox.max.head<2>());
-  const auto planner = MakeNbvPlanner(params, Robot(), kTarget, 1, core::Rng(1));
+  ground.AddObstacle(kHalfKnownBox.min.head<2>(), kHalfKnownBox.max.head<2>());
+  const auto planner = MakeNbvPlanner(params, Robot(), kHalfKnownTarget, 1, core::Rng(1));
   const Pose T_map_base = core::PoseFromXyzYaw(Vec3(kStart.x(), kStart.y(), 0.44), 0.0);
   planner->OnSweep(T_map_base, 500);
   return planner->Plan(T_map_base, HalfKnownMap(), ground);
@@ -60,7 +60,7 @@ NbvParams SmallParams() {
 
 /// The candidate's view evaluated by itself.
 ViewGain Evaluated(const Candidate& c, const std::vector<std::string>& gains, const NbvParams& params) {
-  const ViewEvaluator evaluator(Robot().sensor, kTarget, {gains, params.rays, params.max_range_m});
+  const ViewEvaluator evaluator(Robot().sensor, kHalfKnownTarget, {gains, params.rays, params.max_range_m});
   const ViewNode node{Vec3(c.p_map.x(), c.p_map.y(), c.ground_m), {c.yaw_rad}};
   return evaluator.Evaluate(HalfKnownMap(), {node}, 1).at(0).at(0);
 }
@@ -107,7 +107,8 @@ TEST(NbvColumns, ExtraGainsAreThoseAskedForInTheirOrder) {
 }
 
 TEST(NbvColumns, EachCostIsChargedWhereItsSwitchIsOn) {
-  const std::vector<core::Vec3f> occupied = mapping::OccupiedCenters(HalfKnownMap(), kTarget.seen_box);
+  const std::vector<core::Vec3f> occupied =
+      mapping::OccupiedCenters(HalfKnownMap(), kHalfKnownTarget.seen_box);
   NbvParams params = SmallParams();
   params.visited_threshold_m = 3.0;
   params.too_close_threshold_m = 1.7;

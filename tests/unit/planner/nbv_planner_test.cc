@@ -17,7 +17,7 @@ using core::Pose;
 using core::Vec2;
 using core::Vec3;
 
-const Box3 kObjectBox{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
+const Box3 kSideMappedBox{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
 
 RobotModel Robot() {
   RobotModel robot;
@@ -36,7 +36,7 @@ NbvParams SmallParams(const std::string& name) {
 
 /// The object's -y face is mapped, all about it but its shadow (y > -0.5) is free.
 mapping::DenseGrid NearSideMapped(double p_shadow = 0.5) {
-  mapping::DenseGrid map(kObjectBox.Inflated(0.5), 0.1);
+  mapping::DenseGrid map(kSideMappedBox.Inflated(0.5), 0.1);
   for (size_t i = 0; i < map.frame().count(); ++i) {
     const Vec3 p = map.frame().CenterOf(i);
     double occupancy = 0.12;
@@ -53,12 +53,13 @@ mapping::DenseGrid NearSideMapped(double p_shadow = 0.5) {
 
 tests::FlatGround GroundAboutObject(const Vec2& robot) {
   tests::FlatGround ground(12.0, robot);
-  ground.AddObstacle(kObjectBox.min.head<2>(), kObjectBox.max.head<2>());
+  ground.AddObstacle(kSideMappedBox.min.head<2>(), kSideMappedBox.max.head<2>());
   return ground;
 }
 
 std::unique_ptr<NbvPlanner> Make(const NbvParams& params, int threads = 1, uint64_t seed = 1) {
-  return MakeNbvPlanner(params, Robot(), {kObjectBox, kObjectBox.Inflated(0.5)}, threads, core::Rng(seed));
+  return MakeNbvPlanner(params, Robot(), {kSideMappedBox, kSideMappedBox.Inflated(0.5)}, threads,
+                        core::Rng(seed));
 }
 
 const Pose kRobot = core::PoseFromXyzYaw(Vec3(0.0, -3.0, 0.44), 0.0);
@@ -157,7 +158,7 @@ TEST_P(EachPlanner, AnObjectBeyondPredictionIsWalkedTowardsAndNeverCompleteUnsee
   NbvParams params = SmallParams(GetParam());
   params.max_range_m = 4.0;
   const auto planner = Make(params);
-  const mapping::DenseGrid unknown(kObjectBox.Inflated(0.5), 0.1);
+  const mapping::DenseGrid unknown(kSideMappedBox.Inflated(0.5), 0.1);
   Vec2 robot(0.0, -15.0);
   for (int step = 0; step < 2; ++step) {
     const Pose T = core::PoseFromXyzYaw(Vec3(robot.x(), robot.y(), 0.44), 0.0);
