@@ -27,6 +27,8 @@ class PoseSource {
   /// Greater than that of any source before it in which a keyframe lay elsewhere. A new keyframe alone does
   /// not change it.
   virtual uint64_t version() const = 0;
+  /// The youngest keyframe. @pre there is one.
+  virtual KeyframeId latest() const = 0;
 };
 
 /// A place, kept relative to a keyframe.
@@ -35,6 +37,19 @@ struct Anchor {
   Pose T_keyframe_here = Pose::Identity();
 
   Pose T_map_here(const PoseSource& poses) const { return poses.T_map_keyframe(keyframe) * T_keyframe_here; }
+};
+
+/// A point, kept relative to a keyframe.
+struct AnchoredPoint {
+  KeyframeId keyframe = 0;
+  Vec3 p_keyframe = Vec3::Zero();
+
+  /// Of a point found now: the youngest keyframe is the nearest in time.
+  static AnchoredPoint At(const Vec3& p_map, const PoseSource& poses) {
+    const KeyframeId keyframe = poses.latest();
+    return {keyframe, poses.T_map_keyframe(keyframe).inverse() * p_map};
+  }
+  Vec3 p_map(const PoseSource& poses) const { return poses.T_map_keyframe(keyframe) * p_keyframe; }
 };
 
 /// A revolution, and where in the map it belongs: odometry is smooth while it lasts, so one pose of the

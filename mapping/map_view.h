@@ -38,7 +38,7 @@ enum class RayEnd : uint8_t {
   kVoid,      ///< left the box or reached the range without meeting a surface
 };
 
-/// How far a ray is looked at, and what its samples tell apart: the less, the longer the steps.
+/// How far a ray is traced, and what its samples keep apart: the less, the longer the steps.
 struct TraceLimits {
   double max_range_m = 20.0;
   core::Box3 box_map = {core::Vec3::Constant(-std::numeric_limits<double>::infinity()),
@@ -48,7 +48,7 @@ struct TraceLimits {
   bool each_free = true;
   /// Voxels never measured are samples of their own, each with its key; else those in a row are one.
   bool each_unmeasured = true;
-  bool behind_surface = true;  ///< is told, where the map keeps it
+  bool behind_surface = true;  ///< is read, where the map keeps it
 };
 
 /// A map at one moment. Immutable: any number of threads may ask while the map itself goes on.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "core/geometry.h"
@@ -38,30 +39,48 @@ struct BlockedWay {
   std::vector<core::Vec3> beyond_map;  ///< ground points beyond it, spread out
   /// Of the best view from there over the best of all plans; nothing where no plan judged it.
   std::optional<double> worth_share = std::nullopt;
+  bool promises = false;  ///< so much that it keeps the mission from being completed
 };
 
-/// How a plan ends: with a view to go to, or with the mission.
-enum class NbvOutcome {
-  kView,
-  kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
-  kSurfaceFlat,    ///< sweeps in a row brought next to no surface, whatever views promise
-  kRouteDone,      ///< all views of a given route were visited
-  kBlockedNarrow,  ///< as gain_exhausted or surface_flat, but views that promise more lie beyond ways too
-                   ///< narrow
-  kOutOfReach,     ///< nothing of the object was seen from within range, and no way brings the robot nearer
-  kNoCandidates    ///< no place to go to
+/// A view to go to.
+struct GoScan {
+  core::Vec2 p_map = core::Vec2::Zero();
+  double yaw_rad = 0.0;
+  std::vector<core::Vec2> path_map;  ///< from the robot to the view
 };
 
-struct NbvDecision {
-  NbvOutcome outcome = NbvOutcome::kNoCandidates;
+/// The mission ends by what the robot knows.
+struct Done {
+  enum class Reason {
+    kGainExhausted,  ///< nothing reachable promises more (Eq. 3.8)
+    kExplored,       ///< the same, of a whole space
+    kSurfaceFlat,    ///< scans in a row brought next to no surface, whatever views promise
+    kRouteDone,      ///< all views of a given route were visited
+    kBlockedNarrow   ///< as one of the others, but views that promise more lie beyond ways too narrow
+  };
+  Reason reason = Reason::kGainExhausted;
+};
+
+/// The mission ends because nothing can be done.
+struct Stuck {
+  enum class Reason {
+    kOutOfReach,   ///< nothing of the object was seen from within range, and no way brings the robot nearer
+    kNoCandidates  ///< no place to go to
+  };
+  Reason reason = Reason::kNoCandidates;
+};
+
+using Decision = std::variant<GoScan, Done, Stuck>;
+
+/// All that a plan considered; tables, plots and video recompute nothing.
+struct DecisionLog {
   std::vector<Candidate> candidates;
   int best = -1;  ///< index into candidates
   int nodes_obtained = 0;
   int attempts = 0;
   size_t rays_traced = 0;
-  double utility_ratio = 0.0;        ///< best over the greatest so far
-  std::vector<core::Vec2> path_map;  ///< from the robot to the view (RRT*)
-  double path_length_m = 0.0;
+  double utility_ratio = 0.0;  ///< best over the greatest so far
+  double path_length_m = 0.0;  ///< of the way to the best view
   /// Ways thought too narrow, all that are known; judged (worth_share) by the plan that ends the mission.
   std::vector<BlockedWay> blocked;
 };

@@ -1,21 +1,25 @@
 // The planner seam: what is known in, a decision out.
 #pragma once
 
-#include "mapping/map_view.h"
-#include "mapping/terrain/traversable_ground.h"
+#include "planner/belief.h"
 #include "planner/decision.h"
 
 namespace atlas::planner {
 
-class NbvPlanner {
+/// What a scan brought.
+struct ScanOutcome {
+  core::Pose T_map_base = core::Pose::Identity();  ///< where it was taken
+  size_t new_surface =
+      0;  ///< voxels that returned for the first time (SurfaceTally): whether the view kept its promise
+};
+
+class Planner {
  public:
-  virtual ~NbvPlanner() = default;
-  /// Tells the planner that a sweep was taken at this base pose, and the share of ground-truth-free progress:
-  /// `new_surface` = voxels of the object that returned for the first time (SurfaceTally), so that views that
-  /// promise and do not deliver are blacklisted.
-  virtual void OnSweep(const core::Pose& T_map_base, size_t new_surface) = 0;
-  virtual NbvDecision Plan(const core::Pose& T_map_base, const mapping::MapView& map,
-                           const mapping::TraversableGround& terrain) = 0;
+  virtual ~Planner() = default;
+  /// Told after every scan, before the plan that follows it.
+  virtual void OnScan(const ScanOutcome& scan, const core::PoseSource& poses) = 0;
+  /// `log` is fresh, and receives all that decided.
+  virtual Decision Plan(const Belief& belief, DecisionLog* log) = 0;
 };
 
 }  // namespace atlas::planner

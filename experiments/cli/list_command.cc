@@ -8,11 +8,11 @@
 #include "core/lidar_model.h"
 #include "experiments/cli/commands.h"
 #include "experiments/identity/experiment_config.h"
-#include "experiments/results/run_summary.h"
+#include "experiments/judge/metric.h"
 #include "experiments/sweep/sweep_spec.h"
 #include "mapping/backends/catalog.h"
 #include "planner/gain/gain.h"
-#include "planner/planners/nbv_planner.h"
+#include "planner/planners/catalog.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 
@@ -32,9 +32,10 @@ std::vector<Entry> EntriesOf(const Entries& catalogue) {
 
 std::vector<Entry> Metrics() {
   std::vector<Entry> entries;
-#define X(key) entries.push_back({#key, ""});
-  ATLAS_SUMMARY_NUMBERS(X)
-#undef X
+  for (const core::Column& column : SummaryColumns()) {
+    const std::string unit = column.unit.empty() ? "" : " [" + column.unit + "]";
+    entries.push_back({column.name, column.meaning + unit});
+  }
   return entries;
 }
 

@@ -74,13 +74,10 @@ void ExperimentConfig::Visit(core::ParamVisitor& v) {
 
 namespace {
 
-/// Each planner brings its own defaults; the thesis's also a map as it had one: OctoMap, of the sweeps alone,
-/// from clouds that know nothing of void rays (3.3, 3.4.2). A mapper that the user names brings its own.
+/// The thesis's planner brings a map as it had one: OctoMap, of the sweeps alone, from clouds that know
+/// nothing of void rays (3.3, 3.4.2). A mapper that the user names brings its own.
 void UseDefaultsOf(const std::string& planner, const std::optional<std::string>& mapper,
                    ExperimentConfig* config) {
-  for (const planner::PlannerEntry& entry : planner::PlannerCatalog()) {
-    if (entry.name == planner) config->planner = planner::DefaultParams(planner);
-  }
   if (planner != "thesis") return;
   config->mission.map_while_walking = false;
   if (mapper.value_or("octomap") != "octomap") return;

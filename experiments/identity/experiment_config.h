@@ -8,7 +8,7 @@
 #include "core/params.h"
 #include "mapping/backends/catalog.h"
 #include "mapping/slam/localiser.h"
-#include "planner/planners/nbv_planner.h"
+#include "planner/planners/catalog.h"
 #include "sim/simulator.h"
 
 namespace atlas::experiments {
@@ -49,7 +49,7 @@ struct ExperimentConfig {
   sim::SimParams sim;
   mapping::LocalisationParams localisation;
   mapping::MapperParams mapper;
-  planner::NbvParams planner;
+  planner::PlannerConfig planner;
   MissionParams mission;
   OutputParams output;
   std::vector<core::ParamRow> rows;  ///< as resolved

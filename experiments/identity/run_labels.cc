@@ -19,9 +19,4 @@ std::string TerrainLabel(const sim::LocomotionParams& locomotion) {
   return locomotion.name == "trot" ? locomotion.terrain : "truth";
 }
 
-std::string WorthLabel(const planner::NbvParams& planner) {
-  if (planner.name != "greedy" || planner.gain_share >= 1.0) return "";
-  return fmt::format("surface_frontier x {} ({:.0f} %)", planner.gain, 100.0 * planner.gain_share);
-}
-
 }  // namespace atlas::experiments

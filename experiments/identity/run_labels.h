@@ -18,6 +18,5 @@ std::string OdometryLabel(const sim::OdometryParams& odometry);
 std::string TerrainLabel(const sim::LocomotionParams& locomotion);
 
 /// What a view is worth to the planner where the gain alone does not say it: "surface_frontier x ... (30 %)".
-std::string WorthLabel(const planner::NbvParams& planner);
 
 }  // namespace atlas::experiments

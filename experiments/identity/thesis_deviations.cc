@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "planner/planners/thesis.h"
+
 namespace atlas::experiments {
 namespace {
 
@@ -19,34 +21,33 @@ void CompareMap(const ExperimentConfig& config, std::vector<std::string>* out) {
 }
 
 /// Candidates and costs (3.4.2, 3.5, 3.6.2, 3.6.3).
-void ComparePlanner(const planner::NbvParams& planner, std::vector<std::string>* out) {
-  const bool as_simulated = planner.window_m == 12.0 && planner.nodes == 150;
-  const bool as_real = planner.window_m == 7.0 && planner.nodes == 75;
+void ComparePlanner(const planner::ThesisParams& planner, std::vector<std::string>* out) {
+  const planner::ViewParams& views = planner.nbv.views;
+  const planner::CostParams& costs = planner.nbv.costs;
+  const bool as_simulated = views.window_m == 12.0 && views.nodes == 150;
+  const bool as_real = views.window_m == 7.0 && views.nodes == 75;
   if (!as_simulated && !as_real) {
     out->emplace_back(
-        fmt::format("{} nodes in {} m (150 in 12 m; outdoors 75 in 7 m)", planner.nodes, planner.window_m));
+        fmt::format("{} nodes in {} m (150 in 12 m; outdoors 75 in 7 m)", views.nodes, views.window_m));
   }
-  if (planner.visited_threshold_m != planner.too_close_threshold_m || !planner.visited_cost ||
-      !planner.too_close_cost) {
+  if (costs.visited_threshold_m != costs.too_close_threshold_m || !costs.visited_cost ||
+      !costs.too_close_cost) {
     out->emplace_back("visited and too close cost apart (one d_thres)");
   }
-  if (planner.traversal != "discrete") out->emplace_back("continuous traversal cost (safe or not)");
-  if (planner.commit_margin > 0.0) out->emplace_back("commitment to a view (none)");
-  if (planner.blacklist_after > 0) out->emplace_back("blacklist (none)");
-  if (planner.distrust_m > 0.0) out->emplace_back("distrust of places that brought nothing (none)");
-  if (planner.unvisited_m2 > 0.0) out->emplace_back("worth of unvisited places (none)");
+  if (costs.traversal != "discrete") out->emplace_back("continuous traversal cost (safe or not)");
 }
 
 /// What the thesis leaves open.
-void NameChoices(const ExperimentConfig& config, std::vector<std::string>* out) {
-  const planner::NbvParams& planner = config.planner;
+void NameChoices(const ExperimentConfig& config, const planner::ThesisParams& planner,
+                 std::vector<std::string>* out) {
+  const planner::CostParams& costs = planner.nbv.costs;
   out->emplace_back(fmt::format("at most {} scans (until Eq. 3.8 holds)", config.mission.max_scans));
   out->emplace_back(
       fmt::format("chosen where the thesis gives no value: u_thres {} nats, d_thres {} m, {} for views "
                   "behind, {} headings a "
                   "node, {} rays a view through the object box as the sweep sends them",
-                  planner.stop_utility, planner.visited_threshold_m, planner.behind_penalty, planner.headings,
-                  planner.rays));
+                  planner.stop_utility, costs.visited_threshold_m, costs.behind_penalty,
+                  planner.nbv.views.headings, planner.nbv.views.rays));
   out->emplace_back(
       "where no ground about it looks walkable the robot goes back, turns, then steps aside (not said)");
 }
@@ -55,10 +56,11 @@ void NameChoices(const ExperimentConfig& config, std::vector<std::string>* out) 
 
 std::vector<std::string> DeviationsFromThesis(const ExperimentConfig& config) {
   std::vector<std::string> deviations;
-  if (config.planner.name != "thesis") return deviations;
+  const auto* thesis = dynamic_cast<const planner::ThesisParams*>(config.planner.own.get());
+  if (thesis == nullptr) return deviations;
   CompareMap(config, &deviations);
-  ComparePlanner(config.planner, &deviations);
-  NameChoices(config, &deviations);
+  ComparePlanner(*thesis, &deviations);
+  NameChoices(config, *thesis, &deviations);
   return deviations;
 }
 

@@ -35,8 +35,8 @@ RunSummary SummaryOf(const ExperimentConfig& config) {
   s.odometry = OdometryLabel(config.sim.odometry);
   s.mapper = config.mapper.name;
   s.planner = config.planner.name;
-  s.gain = config.planner.name == "route" ? "none" : config.planner.gain;
-  s.worth = WorthLabel(config.planner);
+  s.gain = config.planner.own->gain();
+  s.worth = config.planner.own->worth();
   s.deviations = fmt::format("{}", fmt::join(DeviationsFromThesis(config), "; "));
   s.version = Version();
   s.commit = identity.commit;
@@ -72,7 +72,8 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
     : config_(config),
       options_(options),
       scene_(scene),
-      recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config))),
+      recorder_(std::make_unique<RunRecorder>(options.folder, SummaryOf(config),
+                                              RunColumns{StepColumns(), TimesColumns()})),
       ground_(config.planner.terrain.cell_m, robot.half_width_m, robot.footprint_radius_m) {
   core::WriteFileAtomically(options.folder / "config.yaml", core::DumpYaml(config.rows));
   options_.progress("sampling the ground truth", false);
@@ -88,7 +89,10 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
   score_.covered_outer = score_.covered;
   volume_ = ExploredVolumeFor(config, options, scene, robot);
   const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
-  recorder_->mutable_summary()->coverage_attainable = attained / static_cast<double>(truth_.points.size());
+  attainable_share_ = attained / static_cast<double>(truth_.points.size());
+  const MetricSetup setup{config.mission.flat_coverage, config.mission.flat_scans};
+  for (const MetricEntry& entry : MetricCatalog()) metrics_.push_back(entry.build(setup));
+  Summarise(0.0, 0.0, 0.0);
   WriteScoredTruth(options.folder / "ground_truth.ply", truth_, attainable_);
 }
 
@@ -107,21 +111,22 @@ void MissionMetrics::Attach(sim::Simulator* simulator) {
 
 void MissionMetrics::BeginScan() {
   ++scans_;
-  step_ = StepRow{};
-  timing_ = TimingRow{.walk_wall_s = timing_.walk_wall_s};
-  step_.scan = timing_.scan = scans_;
+  const double walk_wall_s = scan_.times.walk_wall_s;
+  scan_ = JudgedScan{};
+  scan_.scan = scans_;
+  scan_.times.walk_wall_s = walk_wall_s;
 }
 
 void MissionMetrics::ObserveSweep(const core::Pose& T_map_base) {
-  step_.sim_time_s = simulator_->time_s();
-  step_.distance_m = distance_m_;
-  step_.T_map_base = T_map_base;
+  scan_.sim_time_s = simulator_->time_s();
+  scan_.distance_m = distance_m_;
+  scan_.T_map_base = T_map_base;
 }
 
 void MissionMetrics::ObserveMap(size_t cloud_points, double integration_ms, size_t new_surface) {
-  step_.cloud_points = cloud_points;
-  step_.new_surface_voxels = new_surface;
-  timing_.integration_ms = integration_ms;
+  scan_.cloud_points = cloud_points;
+  scan_.new_surface_voxels = new_surface;
+  scan_.times.integration_ms = integration_ms;
 }
 
 void MissionMetrics::SampleSurroundings() {
@@ -155,74 +160,51 @@ void MissionMetrics::ScoreClouds(const mapping::Map& map) {
 
 void MissionMetrics::AdoptScore() {
   score_ = std::move(scored_);
-  scored_ = Score{};
-  coverage_.push_back(score_.coverage);
-  step_.coverage_raw = score_.coverage_raw;
-  step_.coverage = score_.coverage;
-  step_.coverage_outer = score_.coverage_outer;
-  step_.coverage_of_attainable = score_.of_attainable;
-  if (score_.error.points > 0) {
-    step_.cloud_error_m_mean = score_.error.mean_m;
-    step_.cloud_error_m_p95 = score_.error.p95_m;
-  }
-  step_.flat_by_truth = CoverageIsFlat();
-  step_.explored_m3 = score_.explored_m3;
-  timing_.map_bytes = score_.map_bytes;
-  timing_.metrics_ms = 1e3 * score_.seconds;
+  scored_ = CloudScore{};
+  scan_.times.map_bytes = score_.map_bytes;
+  scan_.times.metrics_ms = 1e3 * score_.seconds;
 }
 
-void MissionMetrics::FinishScan(const planner::NbvDecision& decision) {
-  step_.outcome = NameOf(decision.outcome);
-  step_.candidates = static_cast<int>(decision.candidates.size());
-  step_.nodes = decision.nodes_obtained;
-  step_.rays = decision.rays_traced;
-  step_.utility_ratio = decision.utility_ratio;
-  step_.path_length_m = decision.path_length_m;
-  if (decision.best >= 0) {
-    const planner::Candidate& best = decision.candidates[static_cast<size_t>(decision.best)];
-    step_.gain = best.gain;
-    step_.utility = best.utility;
-  }
-  const sim::SafetyCounts& safety = simulator_->safety();
-  if (safety.measured) {
-    step_.falls = safety.falls;
-    step_.collisions = safety.collisions;
-    step_.shank_brushes = safety.shank_brushes;
-    step_.footholds = safety.footholds;
-    step_.footholds_off_solid = safety.footholds_off_solid;
-    step_.worst_foot_drop_m = safety.worst_foot_drop_m;
-  }
-  timing_.wall_time_s = wall_.seconds();
-  blocked_ = decision.blocked;
-  recorder_->AddDecision(scans_, decision, config_.planner.extra_gains);
-  recorder_->AddStep(step_, timing_);
-  timing_.walk_wall_s = 0.0;
+void MissionMetrics::FinishScan(const planner::Decision& decision, const planner::DecisionLog& log) {
+  scan_.score = score_;
+  scan_.decision = decision;
+  scan_.log = log;
+  blocked_ = log.blocked;
+  scan_.safety = simulator_->safety();
+  scan_.times.wall_time_s = wall_.seconds();
+  core::Row step, times;
+  for (const auto& metric : metrics_) metric->OnScan(scan_, &step, &times);
+  Summarise(scan_.sim_time_s, scan_.distance_m, scan_.times.wall_time_s);
+  recorder_->AddDecision(scans_, log, config_.planner.own->extra_gains());
+  recorder_->AddStep(step, times);
+  scan_.times.walk_wall_s = 0.0;
   Report("scanned", true);
+}
+
+void MissionMetrics::Summarise(double sim_time_s, double distance_m, double wall_time_s) {
+  const JudgedRun run{.scans = scans_,
+                      .sim_time_s = sim_time_s,
+                      .distance_m = distance_m,
+                      .wall_time_s = wall_time_s,
+                      .attainable = attainable_share_,
+                      .attainable_m3 = volume_ ? std::optional(volume_->attainable_m3()) : std::nullopt,
+                      .safety = simulator_ != nullptr ? simulator_->safety() : sim::SafetyCounts{},
+                      .score = score_};
+  core::Row measured;
+  for (const auto& metric : metrics_) metric->Summarise(run, &measured);
+  core::Row* numbers = &recorder_->mutable_summary()->numbers;
+  for (const core::Column& column : SummaryColumns()) numbers->Set(column.name, measured.At(column.name));
 }
 
 void MissionMetrics::ObserveWalk(const sim::WalkResult& walk, double wall_s) {
   distance_m_ += walk.distance_m;
-  timing_.walk_wall_s = wall_s;
+  scan_.times.walk_wall_s = wall_s;
 }
 
 void MissionMetrics::Save(const mapping::Map& map) {
   wall_time_s_ = wall_.seconds();
   RunSummary& summary = *recorder_->mutable_summary();
-  if (score_.error.points > 0) {
-    summary.cloud_error_m_mean = score_.error.mean_m;
-    summary.cloud_error_m_p95 = score_.error.p95_m;
-  }
-  if (const sim::SafetyCounts& safety = simulator_->safety(); safety.measured) {
-    summary.falls = safety.falls;
-    summary.collisions = safety.collisions;
-    summary.footholds_off_solid = safety.footholds_off_solid;
-    summary.worst_foot_drop_m = safety.worst_foot_drop_m;
-  }
-  if (volume_ && score_.explored_m3) {
-    summary.explored_volume_m3 = score_.explored_m3;
-    summary.explored_volume_attainable_m3 = volume_->attainable_m3();
-    summary.explored_of_attainable = *score_.explored_m3 / std::max(1e-9, volume_->attainable_m3());
-  }
+  Summarise(simulator_->time_s(), distance_m_, wall_time_s_);
   RecordBlockedWays(&summary);
   ground_.Write(options_.folder);
   // What came after the last score, on the way to a scan that never was, is not in the summary either.
@@ -236,17 +218,18 @@ void MissionMetrics::Save(const mapping::Map& map) {
 
 void MissionMetrics::RecordBlockedWays(RunSummary* summary) {
   core::WriteFileAtomically(options_.folder / kBlockedWaysFile, BlockedWaysCsv(blocked_));
-  summary->blocked_ways = static_cast<double>(blocked_.size());
-  if (step_.outcome != NameOf(planner::NbvOutcome::kBlockedNarrow)) return;
+  const auto* done = std::get_if<planner::Done>(&scan_.decision);
+  if (done == nullptr || done->reason != planner::Done::Reason::kBlockedNarrow) return;
   for (const planner::BlockedWay& way : blocked_) {
-    if (way.worth_share.value_or(0.0) < config_.planner.blocked_share) continue;
+    if (!way.promises) continue;
     Note("blocked_narrow " + TextOf(way));
     summary->blocked_at += (summary->blocked_at.empty() ? "" : "; ") + TextOf(way);
   }
 }
 
 RunSummary MissionMetrics::Finish(RunStatus status, StopReason reason) {
-  return recorder_->Finish(status, reason, simulator_->time_s(), distance_m_, wall_time_s_);
+  Summarise(simulator_->time_s(), distance_m_, wall_time_s_);
+  return recorder_->Finish(status, reason);
 }
 
 void MissionMetrics::Note(const std::string& line) {
@@ -262,13 +245,6 @@ void MissionMetrics::Report(const std::string& stage, bool final) {
       scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
       100.0 * score_.coverage, 100.0 * score_.of_attainable, time_s / std::max(1e-3, wall_.seconds()), stage);
   final ? Note(line) : options_.progress(line, false);
-}
-
-bool MissionMetrics::CoverageIsFlat() const {
-  const auto rounds = static_cast<size_t>(config_.mission.flat_scans);
-  if (coverage_.size() <= rounds) return false;
-  const double added = coverage_.back() - coverage_[coverage_.size() - 1 - rounds];
-  return added < static_cast<double>(rounds) * config_.mission.flat_coverage;
 }
 
 }  // namespace atlas::experiments

@@ -11,6 +11,7 @@
 #include "experiments/identity/run_options.h"
 #include "experiments/judge/coverage.h"
 #include "experiments/judge/explored_volume.h"
+#include "experiments/judge/metric.h"
 #include "experiments/results/ground_plan.h"
 #include "experiments/results/run_recorder.h"
 #include "mapping/map.h"
@@ -38,7 +39,7 @@ class MissionMetrics {
   /// The scan's row takes the score.
   void AdoptScore();
 
-  void FinishScan(const planner::NbvDecision& decision);
+  void FinishScan(const planner::Decision& decision, const planner::DecisionLog& log);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
   /// Ground that planning knows by now, and why it left some of it out.
   void ObserveGround(const mapping::TraversableGround& ground_map) { ground_.Learn(ground_map); }
@@ -52,15 +53,15 @@ class MissionMetrics {
   void Report(const std::string& stage, bool final = false);
 
   int scans() const { return scans_; }
-  TimingRow& timing() { return timing_; }
+  ScanTimes& timing() { return scan_.times; }
 
  private:
   /// A line that stays, on the terminal and in log.txt.
   void Note(const std::string& line);
   /// Samples what stands around the object, once: the cloud's error leaves it out.
   void SampleSurroundings();
-  /// Whether the last `mission.flat_scans` scans added less than `mission.flat_coverage` each, on average.
-  bool CoverageIsFlat() const;
+  /// All numbers as of now.
+  void Summarise(double sim_time_s, double distance_m, double wall_time_s);
   void RecordBlockedWays(RunSummary* summary);
 
   const ExperimentConfig& config_;
@@ -72,29 +73,18 @@ class MissionMetrics {
   std::unique_ptr<CoverageMeter> meter_;
   bool has_surroundings_ = false;
   std::unique_ptr<ExploredVolume> volume_;  ///< of scenes to explore
-  /// The meter's latest answers.
-  struct Score {
-    double coverage = 0.0, coverage_raw = 0.0, coverage_outer = 0.0, of_attainable = 0.0;
-    std::vector<uint8_t> covered, covered_outer;  ///< a truth point each
-    CloudError error;
-    size_t returns = 0;  ///< of the accumulated cloud that this score counts
-    core::Pose T_truth_cloud = core::Pose::Identity();
-    double seconds = 0.0;  ///< wall-clock time since the last score
-    size_t map_bytes = 0;
-    std::optional<double> explored_m3 = {};
-  };
-  Score scored_, score_;  ///< as computed, as adopted
+  CloudScore scored_, score_;  ///< the meter's latest answers, as computed, as adopted
+  std::vector<std::unique_ptr<Metric>> metrics_;
   std::unique_ptr<RunRecorder> recorder_;
   sim::Simulator* simulator_ = nullptr;
   std::string log_;           ///< lines that stay
   double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
   GroundPlan ground_;
-  std::vector<planner::BlockedWay> blocked_;  ///< as of the latest plan
   int scans_ = 0;
   double distance_m_ = 0.0;
-  std::vector<double> coverage_;  ///< a scan each
-  StepRow step_;
-  TimingRow timing_;
+  double attainable_share_ = 0.0;
+  JudgedScan scan_;
+  std::vector<planner::BlockedWay> blocked_;  ///< as of the latest plan
 };
 
 }  // namespace atlas::experiments

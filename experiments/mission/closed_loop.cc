@@ -1,6 +1,7 @@
 #include "experiments/mission/closed_loop.h"
 
 #include <optional>
+#include <variant>
 
 #include "core/files.h"
 #include "core/stopwatch.h"
@@ -34,17 +35,27 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
   m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
   const size_t new_surface = m->surface.CountNew(m->returns_map, m->Ground());
   m->returns_map.clear();
-  m->planner->OnSweep(T_map_base, new_surface);
+  m->planner->OnScan({T_map_base, new_surface}, *m->localiser->poses());
   m->metrics.ObserveMap(mapped.cloud_points, 1e3 * mapped.integration_s, new_surface);
   m->lanes.Post(kMapLane, [m] { m->metrics.ScoreClouds(*m->map); });
   return EndingOf(stood);
 }
 
+planner::Budget BudgetLeft(const Mission& m) {
+  const MissionParams& most = m.config.mission;
+  return {.scans = most.max_scans - m.metrics.scans(),
+          .time_s = most.max_time_s - m.simulator->time_s(),
+          .distance_m = most.max_distance_m - m.odometry_distance_m};
+}
+
 /// Plans while the metrics are scored.
-planner::NbvDecision PlanNextView(Mission* m) {
+planner::Decision PlanNextView(Mission* m, planner::DecisionLog* log) {
   const core::Stopwatch planning;
   const mapping::PosedGround ground = m->Ground();
-  planner::NbvDecision decision = m->planner->Plan(m->T_map_base(), *m->map->Snapshot(), ground);
+  const auto map = m->map->Snapshot();
+  const auto poses = m->localiser->poses();
+  const planner::Belief belief{*map, ground, *poses, m->T_map_base(), BudgetLeft(*m)};
+  const planner::Decision decision = m->planner->Plan(belief, log);
   m->metrics.timing().nbv_time_s = planning.seconds();
   m->metrics.ObserveGround(ground);
   m->lanes.Drain(kMapLane);
@@ -53,22 +64,20 @@ planner::NbvDecision PlanNextView(Mission* m) {
 }
 
 /// Own criterion or a budget; nothing if the mission goes on.
-std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::NbvDecision& decision) {
-  const MissionParams& mission = m.config.mission;
-  if (const auto ending = EndingOf(decision.outcome, m.scene.is_space)) return ending;
-  if (m.metrics.scans() >= mission.max_scans) return Ending{RunStatus::kBudget, StopReason::kScanBudget};
-  if (m.simulator->time_s() >= mission.max_time_s) return Ending{RunStatus::kBudget, StopReason::kTimeBudget};
-  if (m.odometry_distance_m >= mission.max_distance_m)
-    return Ending{RunStatus::kBudget, StopReason::kDistanceBudget};
+std::optional<Ending> StopAfterPlanning(const Mission& m, const planner::Decision& decision) {
+  if (const auto ending = EndingOf(decision)) return ending;
+  const planner::Budget left = BudgetLeft(m);
+  if (left.scans <= 0) return Ending{RunStatus::kBudget, StopReason::kScanBudget};
+  if (left.time_s <= 0.0) return Ending{RunStatus::kBudget, StopReason::kTimeBudget};
+  if (left.distance_m <= 0.0) return Ending{RunStatus::kBudget, StopReason::kDistanceBudget};
   return std::nullopt;
 }
 
-std::optional<Ending> WalkTo(Mission* m, const planner::NbvDecision& decision, FailedWalks* failed_walks) {
-  const planner::Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
+std::optional<Ending> WalkTo(Mission* m, const planner::GoScan& go, FailedWalks* failed_walks) {
   using Mapping = SensorFeed::Mapping;
   m->feed.SetMapping(m->config.mission.map_while_walking ? Mapping::kEverything : Mapping::kNothing);
   const core::Stopwatch walking;
-  const sim::WalkResult walk = m->simulator->Walk({decision.path_map, view.yaw_rad}, &m->terrain);
+  const sim::WalkResult walk = m->simulator->Walk({go.path_map, go.yaw_rad}, &m->terrain);
   m->feed.SetMapping(Mapping::kNothing);
   m->metrics.ObserveWalk(walk, walking.seconds());
   m->odometry_distance_m += walk.odometry_distance_m;
@@ -83,15 +92,16 @@ Ending RunMission(Mission* m) {
     m->metrics.Report("sweeping");
     if (const auto ending = SweepAndIntegrate(m)) return *ending;
     m->metrics.Report("planning");
-    const planner::NbvDecision decision = PlanNextView(m);
+    planner::DecisionLog log;
+    const planner::Decision decision = PlanNextView(m, &log);
     const auto ending = StopAfterPlanning(*m, decision);
-    m->metrics.FinishScan(decision);
+    m->metrics.FinishScan(decision, log);
     m->film.ObservePlan(decision);
     if (ending) return *ending;
     if (const auto stopped = EndingOf(m->simulator->Stand(m->config.mission.planning_latency_s)))
       return *stopped;
     m->metrics.Report("walking");
-    if (const auto stopped = WalkTo(m, decision, &failed_walks)) return *stopped;
+    if (const auto stopped = WalkTo(m, std::get<planner::GoScan>(decision), &failed_walks)) return *stopped;
   }
 }
 

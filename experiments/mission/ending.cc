@@ -1,8 +1,8 @@
 #include "experiments/mission/ending.h"
 
-namespace atlas::experiments {
+#include <variant>
 
-using planner::NbvOutcome;
+namespace atlas::experiments {
 
 std::optional<Ending> EndingOf(sim::MotionStatus status) {
   switch (status) {
@@ -24,24 +24,34 @@ std::optional<Ending> FailedWalks::Observe(sim::MotionStatus walk) {
   return Ending{RunStatus::kStuck, StopReason::kStuck};
 }
 
-std::optional<Ending> EndingOf(NbvOutcome outcome, bool is_space) {
-  switch (outcome) {
-    case NbvOutcome::kView:
-      return std::nullopt;
-    case NbvOutcome::kGainExhausted:
-      return Ending{RunStatus::kCompleted, is_space ? StopReason::kExplored : StopReason::kGainExhausted};
-    case NbvOutcome::kSurfaceFlat:
-      return Ending{RunStatus::kCompleted, StopReason::kSurfaceFlat};
-    case NbvOutcome::kRouteDone:
-      return Ending{RunStatus::kCompleted, StopReason::kRouteDone};
-    case NbvOutcome::kBlockedNarrow:
-      return Ending{RunStatus::kBudget, StopReason::kBlockedNarrow};
-    case NbvOutcome::kOutOfReach:
-      return Ending{RunStatus::kStuck, StopReason::kOutOfReach};
-    case NbvOutcome::kNoCandidates:
+namespace {
+
+Ending EndingOf(planner::Done::Reason reason) {
+  using Reason = planner::Done::Reason;
+  switch (reason) {
+    case Reason::kExplored:
+      return {RunStatus::kCompleted, StopReason::kExplored};
+    case Reason::kSurfaceFlat:
+      return {RunStatus::kCompleted, StopReason::kSurfaceFlat};
+    case Reason::kRouteDone:
+      return {RunStatus::kCompleted, StopReason::kRouteDone};
+    case Reason::kBlockedNarrow:
+      return {RunStatus::kBudget, StopReason::kBlockedNarrow};
+    case Reason::kGainExhausted:
       break;
   }
-  return Ending{RunStatus::kStuck, StopReason::kNoCandidates};
+  return {RunStatus::kCompleted, StopReason::kGainExhausted};
+}
+
+}  // namespace
+
+std::optional<Ending> EndingOf(const planner::Decision& decision) {
+  if (const auto* done = std::get_if<planner::Done>(&decision)) return EndingOf(done->reason);
+  const auto* stuck = std::get_if<planner::Stuck>(&decision);
+  if (stuck == nullptr) return std::nullopt;
+  return Ending{RunStatus::kStuck, stuck->reason == planner::Stuck::Reason::kOutOfReach
+                                       ? StopReason::kOutOfReach
+                                       : StopReason::kNoCandidates};
 }
 
 }  // namespace atlas::experiments

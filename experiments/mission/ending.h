@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "experiments/results/run_summary.h"
-#include "planner/planners/nbv_planner.h"
+#include "planner/decision.h"
 #include "sim/simulator.h"
 
 namespace atlas::experiments {
@@ -27,7 +27,7 @@ class FailedWalks {
 };
 
 /// How a plan ends the mission: by what the robot knows, never by the truth. Nothing if there is a view to go
-/// to. `is_space`: the scene is one to explore.
-std::optional<Ending> EndingOf(planner::NbvOutcome outcome, bool is_space);
+/// to.
+std::optional<Ending> EndingOf(const planner::Decision& decision);
 
 }  // namespace atlas::experiments

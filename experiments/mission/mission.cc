@@ -2,7 +2,7 @@
 
 #include "experiments/mission/run_localiser.h"
 #include "mapping/backends/catalog.h"
-#include "planner/planners/nbv_planner.h"
+#include "planner/planners/catalog.h"
 
 namespace atlas::experiments {
 namespace {
@@ -17,7 +17,7 @@ mapping::MapSetup MapSetupOf(const ExperimentConfig& config, const robots::Robot
                              const core::Box3& region) {
   return {.lidar = robots::LidarOf(robot, config.sim.sensors.lidar),
           .keep_map = region,
-          .behind_surface = planner::ReadsOf(config.planner).behind_surface};
+          .behind_surface = config.planner.own->reads().behind_surface};
 }
 
 /// The simulation's own profile of the roll, period and speed.
@@ -30,6 +30,11 @@ planner::RobotModel RobotModelOf(const ExperimentConfig& config, const robots::R
           .speed_mps = motion.speed_mps,
           .half_width_m = robot.half_width_m,
           .turning_radius_m = robot.footprint_radius_m};
+}
+
+planner::Goal GoalOf(const scenes::SceneSpec& scene) {
+  if (scene.is_space) return planner::WholeSpace{scene.object_box};
+  return planner::ObjectInBox{scene.object_box};
 }
 
 }  // namespace
@@ -49,8 +54,12 @@ Mission::Mission(const ExperimentConfig& given, const RunOptions& run_options)
       cloud(region, config.mapper.integrator.max_range_m, config.mapper.downsample_m),
       terrain(config.planner.terrain, robot),
       feed({}, Listeners(), &lanes),
-      planner(planner::MakeNbvPlanner(config.planner, RobotModelOf(config, robot), {scene.object_box, region},
-                                      options.threads, rng.Split("planner"))),
+      planner(planner::MakePlanner(config.planner, {.robot = RobotModelOf(config, robot),
+                                                    .goal = GoalOf(scene),
+                                                    .kept_map = region,
+                                                    .terrain = config.planner.terrain,
+                                                    .threads = options.threads,
+                                                    .rng = rng.Split("planner")})),
       surface(scene.object_box, config.mapper.resolution_m),
       lanes(kTaskLanes, options.threads > 1) {
   terrain.InitialiseUnderRobot(simulator->T_odom_base());

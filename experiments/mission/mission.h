@@ -50,7 +50,7 @@ struct Mission {
   mapping::ScanCloud cloud;
   mapping::ElevationMap terrain;
   SensorFeed feed;
-  std::unique_ptr<planner::NbvPlanner> planner;
+  std::unique_ptr<planner::Planner> planner;
   planner::SurfaceTally surface;
   double odometry_distance_m = 0.0;      ///< walked so far, as the robot knows it
   std::vector<core::Vec3f> returns_map;  ///< since the last sweep was tallied; of tasks on kMapLane

@@ -35,13 +35,14 @@ void RunFilm::ObserveMap(const std::vector<core::Vec3f>& occupied_map) {
   recording_.AddMap(simulator_->time_s(), occupied_map);
 }
 
-void RunFilm::ObservePlan(const planner::NbvDecision& decision) {
+void RunFilm::ObservePlan(const planner::Decision& decision) {
   std::optional<ChosenView> view;
-  if (decision.best >= 0) {
-    const planner::Candidate& best = decision.candidates[static_cast<size_t>(decision.best)];
-    view = ChosenView{best.p_map, best.yaw_rad};
+  std::vector<core::Vec2> path_map;
+  if (const auto* go = std::get_if<planner::GoScan>(&decision)) {
+    view = ChosenView{go->p_map, go->yaw_rad};
+    path_map = go->path_map;
   }
-  recording_.AddPlan(simulator_->time_s(), decision.path_map, view);
+  recording_.AddPlan(simulator_->time_s(), path_map, view);
   Save();
 }
 

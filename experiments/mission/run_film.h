@@ -4,7 +4,7 @@
 #include "experiments/identity/experiment_config.h"
 #include "experiments/identity/run_options.h"
 #include "experiments/video/run_recording.h"
-#include "planner/planners/nbv_planner.h"
+#include "planner/decision.h"
 
 namespace atlas::experiments {
 
@@ -17,7 +17,7 @@ class RunFilm {
   void Attach(sim::Simulator* simulator);
 
   void ObserveMap(const std::vector<core::Vec3f>& occupied_map);
-  void ObservePlan(const planner::NbvDecision& decision);
+  void ObservePlan(const planner::Decision& decision);
   /// Saves the recording and, where asked for and `with_video`, renders video.mp4. False when stopped
   /// meanwhile, without a video. @throws InputError when that fails.
   bool Finish(bool with_video);

@@ -15,7 +15,7 @@ SensorFeed::SensorFeed(const SensorFeedParams& params, const Listeners& listener
 
 SensorFeed::~SensorFeed() = default;
 
-/// States come ten times as often as anything else and wait for company.
+/// States (50 Hz) are batched with the next spin or image: one task instead of ten.
 core::TaskLanes::Ticket SensorFeed::Ingest(std::function<void(mapping::ElevationMap*)> event) {
   return lanes_->Post(kTerrainLane,
                       [terrain = to_.terrain, states = std::exchange(states_, {}), event = std::move(event)] {

@@ -188,10 +188,10 @@ ReportedRun LoadReportedRun(const fs::path& folder) {
   return run;
 }
 
-SampleStatistics RunGroup::Over(SummaryNumber number) const {
+SampleStatistics RunGroup::Over(const std::string& number) const {
   std::vector<double> values;
   for (const ReportedRun& run : runs) {
-    if (run.summary.*number) values.push_back(*(run.summary.*number));
+    if (const auto value = run.summary.Number(number)) values.push_back(*value);
   }
   return Describe(values);
 }

@@ -14,7 +14,6 @@
 namespace atlas::experiments {
 
 /// A number of summary.json.
-using SummaryNumber = std::optional<double> RunSummary::*;
 
 /// A run as tables take it.
 struct ReportedRun {
@@ -38,7 +37,7 @@ struct RunGroup {
   std::vector<ReportedRun> runs = {};
 
   /// Statistics over the runs that have this number.
-  SampleStatistics Over(SummaryNumber number) const;
+  SampleStatistics Over(const std::string& number) const;
   int CountOf(RunStatus status) const;
   /// The planner's name and the variant.
   std::string Method() const;

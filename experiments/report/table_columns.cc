@@ -10,44 +10,31 @@
 namespace atlas::experiments {
 namespace {
 
-/// The number of that key; null where summary.json has no such key.
-constexpr SummaryNumber NumberNamed(std::string_view name) {
-#define X(key) \
-  if (name == #key) return &RunSummary::key;
-  ATLAS_SUMMARY_NUMBERS(X)
-#undef X
-  return nullptr;
-}
-
-SampleStatistics Over(const RunGroup& group, std::string_view name) {
-  const SummaryNumber number = NumberNamed(name);
-  return number == nullptr ? SampleStatistics{} : group.Over(number);
-}
-
-std::string Interval(const RunGroup& group, std::string_view name, double scale, int decimals) {
-  return MeanWithInterval(Over(group, name),
+std::string Interval(const RunGroup& group, const std::string& name, double scale, int decimals) {
+  return MeanWithInterval(group.Over(name),
                           [=](double value) { return fmt::format("{:.{}f}", scale * value, decimals); });
 }
 
-std::string Mean(const RunGroup& group, std::string_view name, double scale, int decimals) {
-  const SampleStatistics s = Over(group, name);
+std::string Mean(const RunGroup& group, const std::string& name, double scale, int decimals) {
+  const SampleStatistics s = group.Over(name);
   return s.count == 0 ? kNotMeasured : fmt::format("{:.{}f}", scale * s.mean, decimals);
 }
 
 /// Falls and collisions are summed over seeds: one is one too many.
-std::string Total(const RunGroup& group, SummaryNumber number) {
+std::string Total(const RunGroup& group, const std::string& name) {
   double sum = 0.0;
   bool measured = false;
   for (const ReportedRun& run : group.runs) {
-    sum += (run.summary.*number).value_or(0.0);
-    measured = measured || run.summary.*number;
+    const auto number = run.summary.Number(name);
+    sum += number.value_or(0.0);
+    measured = measured || number;
   }
   return measured ? fmt::format("{:.0f}", sum) : kNotMeasured;
 }
 
 /// Greatest over seeds: the worst is what matters.
-std::string Worst(const RunGroup& group, std::string_view name, double scale, int decimals) {
-  const SampleStatistics s = Over(group, name);
+std::string Worst(const RunGroup& group, const std::string& name, double scale, int decimals) {
+  const SampleStatistics s = group.Over(name);
   return s.count == 0 ? kNotMeasured : fmt::format("{:.{}f}", scale * s.max, decimals);
 }
 
@@ -103,7 +90,7 @@ std::vector<Column> Efforts() {
        [](const RunGroup& g) { return Interval(g, "scans", 1.0, g.runs.size() > 1 ? 1 : 0); },
        [](const ThesisRow& t) { return fmt::format("{}", t.scans); }},
       {"t_all", "simulated time", false, Use::kAlways,
-       [](const RunGroup& g) { return MeanWithInterval(Over(g, "sim_time_s"), MinutesSeconds); },
+       [](const RunGroup& g) { return MeanWithInterval(g.Over("sim_time_s"), MinutesSeconds); },
        [](const ThesisRow& t) { return MinutesSeconds(t.time_s); }},
       {"t_nbv s", "wall time a decision", false, Use::kAlways,
        [](const RunGroup& g) { return Interval(g, "nbv_time_s_mean", 1.0, 2); },
@@ -115,9 +102,9 @@ std::vector<Column> Efforts() {
 
 std::vector<Column> Endings() {
   return {
-      {"falls", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, &RunSummary::falls); }},
+      {"falls", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, "falls"); }},
       {"collisions", "", false, Use::kAlways,
-       [](const RunGroup& g) { return Total(g, &RunSummary::collisions); }},
+       [](const RunGroup& g) { return Total(g, "collisions"); }},
       {"drop cm", "greatest depth of a touch-down below its planned foothold", false, Use::kWhereMeasured,
        [](const RunGroup& g) { return Worst(g, "worst_foot_drop_m", 100.0, 1); }},
       {"runs", "", false, Use::kGroups, [](const RunGroup& g) { return fmt::format("{}", g.runs.size()); }},

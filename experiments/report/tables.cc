@@ -145,17 +145,14 @@ TextTable StatisticsTable(const std::vector<RunGroup>& groups) {
   table.heading = {"object", "gain", "planner", "number", "runs", "mean", "stddev", "ci95", "min", "max"};
   table.left = {true, true, true, true, false, false, false, false, false, false};
   for (const RunGroup& g : groups) {
-    const auto add = [&](const char* name, SummaryNumber number) {
-      const SampleStatistics s = g.Over(number);
-      if (s.count == 0) return;
+    for (const auto& [name, cell] : g.runs.front().summary.numbers.cells()) {
+      const SampleStatistics s = g.Over(name);
+      if (s.count == 0) continue;
       table.rows.push_back({g.object, g.gain, g.Method(), name, fmt::format("{}", s.count),
                             fmt::format("{:.6g}", s.mean), fmt::format("{:.6g}", s.stddev),
                             s.count > 1 ? fmt::format("{:.6g}", ConfidenceHalfWidth(s)) : "",
                             fmt::format("{:.6g}", s.min), fmt::format("{:.6g}", s.max)});
-    };
-#define X(key) add(#key, &RunSummary::key);
-    ATLAS_SUMMARY_NUMBERS(X)
-#undef X
+    }
   }
   return table;
 }

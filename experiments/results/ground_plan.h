@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "mapping/terrain/traversable_ground.h"
-#include "planner/planners/nbv_planner.h"
+#include "planner/decision.h"
 
 namespace atlas::experiments {
 

@@ -15,13 +15,6 @@ namespace {
 
 using core::InputError;
 
-constexpr std::string_view kStepsHeader =
-    "scan,sim_time_s,distance_m,x_m,y_m,z_m,yaw_rad,coverage_raw,coverage,coverage_outer,coverage_of_"
-    "attainable,flat_by_truth,cloud_error_m_mean,cloud_error_m_p95,cloud_points,"
-    "new_surface_voxels,outcome,candidates,nodes,rays,gain,utility,utility_ratio,path_length_m,falls,"
-    "collisions,"
-    "shank_brushes,footholds,footholds_off_solid,worst_foot_drop_m,explored_m3\n";
-
 std::vector<std::string> SplitLine(const std::string& line) {
   std::vector<std::string> cells;
   std::stringstream stream(line);
@@ -56,28 +49,25 @@ double NumberIn(const std::vector<std::string>& cells, size_t column, const std:
   return value;
 }
 
-std::string CountText(const std::optional<int>& count) {
-  return count ? fmt::format("{}", *count) : std::string();
-}
-
 }  // namespace
 
-std::string_view NameOf(planner::NbvOutcome outcome) {
-  switch (outcome) {
-    case planner::NbvOutcome::kView:
-      return "view";
-    case planner::NbvOutcome::kGainExhausted:
+std::string_view NameOf(const planner::Decision& decision) {
+  if (std::holds_alternative<planner::GoScan>(decision)) return "view";
+  if (const auto* stuck = std::get_if<planner::Stuck>(&decision)) {
+    return stuck->reason == planner::Stuck::Reason::kOutOfReach ? "out_of_reach" : "no_candidates";
+  }
+  using Reason = planner::Done::Reason;
+  switch (std::get<planner::Done>(decision).reason) {
+    case Reason::kGainExhausted:
       return "gain_exhausted";
-    case planner::NbvOutcome::kSurfaceFlat:
+    case Reason::kExplored:
+      return "explored";
+    case Reason::kSurfaceFlat:
       return "surface_flat";
-    case planner::NbvOutcome::kRouteDone:
+    case Reason::kRouteDone:
       return "route_done";
-    case planner::NbvOutcome::kBlockedNarrow:
+    case Reason::kBlockedNarrow:
       return "blocked_narrow";
-    case planner::NbvOutcome::kOutOfReach:
-      return "out_of_reach";
-    case planner::NbvOutcome::kNoCandidates:
-      return "no_candidates";
   }
   return "";
 }
@@ -98,39 +88,6 @@ std::string_view NameOf(planner::LossReason reason) {
   return "";
 }
 
-std::string StepsCsv(const std::vector<StepRow>& steps) {
-  const auto cell = [](const std::optional<double>& value, int digits) {
-    return value ? fmt::format("{:.{}f}", *value, digits) : std::string();
-  };
-  std::string csv(kStepsHeader);
-  for (const StepRow& s : steps) {
-    const core::Vec3& p = s.T_map_base.translation();
-    csv +=
-        fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.6f},{:.6f},{:.6f},{},{},{},{},", s.scan,
-                    s.sim_time_s, s.distance_m, p.x(), p.y(), p.z(), core::YawOf(s.T_map_base.linear()),
-                    s.coverage_raw, s.coverage, s.coverage_outer, cell(s.coverage_of_attainable, 6),
-                    s.flat_by_truth ? 1 : 0, cell(s.cloud_error_m_mean, 6), cell(s.cloud_error_m_p95, 6));
-    csv += fmt::format("{},{},{},{},{},{},", s.cloud_points, s.new_surface_voxels, s.outcome, s.candidates,
-                       s.nodes, s.rays);
-    csv += fmt::format("{:.6g},{:.6g},{:.6f},{:.4f},{},{},{},{},{},{},{}\n", s.gain, s.utility,
-                       s.utility_ratio, s.path_length_m, CountText(s.falls), CountText(s.collisions),
-                       CountText(s.shank_brushes), CountText(s.footholds), CountText(s.footholds_off_solid),
-                       cell(s.worst_foot_drop_m, 4), cell(s.explored_m3, 3));
-  }
-  return csv;
-}
-
-std::string TimingsCsv(const std::vector<TimingRow>& timings) {
-  std::string csv =
-      "scan,nbv_time_s,integration_ms,terrain_ms,metrics_ms,sweep_wall_s,walk_wall_s,wall_time_s,map_bytes\n";
-  for (const TimingRow& t : timings) {
-    csv += fmt::format("{},{:.4f},{:.2f},{:.2f},{:.2f},{:.4f},{:.4f},{:.4f},{}\n", t.scan, t.nbv_time_s,
-                       t.integration_ms, t.terrain_ms, t.metrics_ms, t.sweep_wall_s, t.walk_wall_s,
-                       t.wall_time_s, t.map_bytes);
-  }
-  return csv;
-}
-
 std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains) {
   std::string header =
       "scan,candidate,node,x_m,y_m,yaw_rad,ground_m,path_length_m,gain,gain_void,gain_ground,gain_object,"
@@ -140,10 +97,9 @@ std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains) {
   return header + "\n";
 }
 
-void AppendCandidateRows(int scan, const planner::NbvDecision& decision, size_t extra_count,
-                         std::string* csv) {
-  for (size_t i = 0; i < decision.candidates.size(); ++i) {
-    const planner::Candidate& c = decision.candidates[i];
+void AppendCandidateRows(int scan, const planner::DecisionLog& log, size_t extra_count, std::string* csv) {
+  for (size_t i = 0; i < log.candidates.size(); ++i) {
+    const planner::Candidate& c = log.candidates[i];
     *csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f},{:.6g},{:.6g},{:.6g},{:.6g},", scan, i,
                         c.node, c.p_map.x(), c.p_map.y(), c.yaw_rad, c.ground_m, c.path_length_m, c.gain,
                         c.gain_void, c.gain_ground, c.gain_object);

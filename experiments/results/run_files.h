@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/planners/nbv_planner.h"
+#include "planner/decision.h"
 
 namespace atlas::experiments {
 
@@ -13,7 +13,6 @@ std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains);
 
 /// A line a candidate. `extra_count` columns follow the fixed ones; a candidate that lacks them leaves them
 /// empty.
-void AppendCandidateRows(int scan, const planner::NbvDecision& decision, size_t extra_count,
-                         std::string* csv);
+void AppendCandidateRows(int scan, const planner::DecisionLog& log, size_t extra_count, std::string* csv);
 
 }  // namespace atlas::experiments

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/errors.h"
 #include "core/files.h"
@@ -31,15 +32,14 @@ std::optional<Enum> FromName(const std::array<std::string_view, N>& names, std::
   return std::nullopt;
 }
 
-void Put(Json* json, const char* key, const std::optional<double>& value) {
-  if (!value || !std::isfinite(*value)) return;
-  const std::string_view name = key;
-  const bool counts = name == "scans" || name == "submaps" || name == "falls" || name == "collisions" ||
-                      name == "footholds_off_solid" || name == "blocked_ways" || name.ends_with("_bytes");
-  if (counts) {
-    (*json)[key] = std::llround(*value);
-  } else {
-    (*json)[key] = std::stod(fmt::format("{:.6f}", *value));
+/// Six decimals are as good as any measurement here; counts stay whole.
+void Put(Json* json, const std::string& key, const core::Cell& cell) {
+  if (const auto* number = std::get_if<double>(&cell)) {
+    if (std::isfinite(*number)) (*json)[key] = std::stod(fmt::format("{:.6f}", *number));
+  } else if (const auto* count = std::get_if<int64_t>(&cell)) {
+    (*json)[key] = *count;
+  } else if (const auto* flag = std::get_if<bool>(&cell)) {
+    (*json)[key] = *flag;
   }
 }
 
@@ -57,22 +57,26 @@ class Reader {
     *value = json_[key].get<std::string>();
     core::RefuseControlCharacters(*value, origin_ + ": " + key);
   }
-  void Number(const char* key, std::optional<double>* value) const {
-    if (!json_.contains(key)) return;
-    if (!json_[key].is_number()) Fail(fmt::format("{}: expected a number, found {}", key, json_[key].dump()));
-    *value = json_[key].get<double>();
+  /// All other keys hold numbers, counts or flags.
+  void Numbers(const std::set<std::string>& words, core::Row* row) const {
+    for (const auto& [key, value] : json_.items()) {
+      if (words.contains(key)) continue;
+      if (value.is_number_integer()) {
+        row->Set(key, core::Cell(value.get<int64_t>()));
+      } else if (value.is_number()) {
+        row->Set(key, value.get<double>());
+      } else if (value.is_boolean()) {
+        row->Set(key, value.get<bool>());
+      } else {
+        Fail(fmt::format("{}: expected a number, found {}", core::Printable(key), value.dump()));
+      }
+    }
   }
   void Seed(uint64_t* value) const {
     if (!json_.contains("seed")) return;
     if (!json_["seed"].is_number_unsigned())
       Fail(fmt::format("seed: expected >= 0, found {}", json_["seed"].dump()));
     *value = json_["seed"].get<uint64_t>();
-  }
-  void Flag(const char* key, std::optional<bool>* value) const {
-    if (!json_.contains(key)) return;
-    if (!json_[key].is_boolean())
-      Fail(fmt::format("{}: expected true or false, found {}", key, json_[key].dump()));
-    *value = json_[key].get<bool>();
   }
   [[noreturn]] void Fail(const std::string& what) const { throw InputError(origin_ + ": " + what); }
 
@@ -115,31 +119,24 @@ std::string ToJson(const RunSummary& summary) {
 #undef X
   json["status"] = NameOf(summary.status);
   json["stop_reason"] = NameOf(summary.stop_reason);
-  if (summary.flat_by_truth) json["flat_by_truth"] = *summary.flat_by_truth;
   if (!summary.blocked_at.empty()) json["blocked_at"] = summary.blocked_at;
-#define X(key) Put(&json, #key, summary.key);
-  ATLAS_SUMMARY_NUMBERS(X)
-  if (summary.returned_home) json["returned_home"] = *summary.returned_home;
-  X(miou)
-#undef X
+  for (const auto& [key, cell] : summary.numbers.cells()) Put(&json, key, cell);
   return json.dump(2) + "\n";
 }
 
 RunSummary SummaryFromJson(const std::string& text, const std::string& origin) {
   const Reader reader(text, origin);
   RunSummary summary;
-#define X(key) reader.Text(#key, &summary.key);
+  std::set<std::string> words = {"seed", "status", "stop_reason", "blocked_at"};
+#define X(key)                     \
+  reader.Text(#key, &summary.key); \
+  words.insert(#key);
   ATLAS_SUMMARY_TEXT(X)
   ATLAS_SUMMARY_TEXT_MORE(X)
 #undef X
-#define X(key) reader.Number(#key, &summary.key);
-  ATLAS_SUMMARY_NUMBERS(X)
-  X(miou)
-#undef X
   reader.Seed(&summary.seed);
-  reader.Flag("returned_home", &summary.returned_home);
-  reader.Flag("flat_by_truth", &summary.flat_by_truth);
   reader.Text("blocked_at", &summary.blocked_at);
+  reader.Numbers(words, &summary.numbers);
   if (summary.experiment.empty()) reader.Fail("experiment: missing");
   std::string status, reason;
   reader.Text("status", &status);

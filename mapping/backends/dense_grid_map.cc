@@ -118,7 +118,7 @@ class DenseGridMap final : public Map {
   }
 
   /// Rays of a spin that leave the region (or end) in the same voxel cross the same voxels, but for a few:
-  /// the first one speaks for all, as in the library's discretised insertion.
+  /// only the first one is traced (the library's discretised insertion).
   bool FirstToEndThere(const Vec3& origin, const Vec3& direction, double range_m) {
     const auto span = frame().box().Clip(origin, direction);
     if (!span || span->first >= range_m) return false;

@@ -11,7 +11,7 @@ namespace {
 
 using Field = OccupancyField;
 
-/// A voxel counts as occupied from this share of a scan's miss on: the least that Eq. 4.2 gives behind a near
+/// The planner calls a voxel occupied from 0.75 miss_nats on: the least that Eq. 4.2 gives behind a near
 /// surface.
 constexpr double kSurfaceShare = 0.75;
 

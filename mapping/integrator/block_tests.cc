@@ -66,7 +66,7 @@ HWY_INLINE Bounds BoundsOf(DF d, const ScanImage& image, const Footprint& f) {
 HWY_INLINE BoxVerdict VerdictOf(DF d, const ScanImage& image, const ScanFrame& frame, const Cubes& m,
                                 const Footprint& f, float half_side) {
   const float radius = half_side * kSqrt3 * frame.resolution_m;
-  const MF near = hn::Lt(m.flat, hn::Set(d, kNear * radius));
+  const MF near = hn::Lt(m.flat, hn::Set(d, kMinAxisDistanceRadii * radius));
   const Bounds bounds = BoundsOf(d, image, f);
   // Of the voxels' middles the nearest, of the whole cube the farthest point.
   const VF nearest = hn::Sub(m.distance, hn::Mul(m.along, hn::Set(d, (half_side - 0.5f) / half_side)));

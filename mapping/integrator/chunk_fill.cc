@@ -181,7 +181,7 @@ class Filler {
       if (evidence != nullptr) evidence = Keep(block, evidence);
     }
     // Occupied voxels beside others that are not free lose less; where beams are several voxels apart,
-    // nothing is said of them: who skims a crest from afar sees it free again and again, and never hits it.
+    // they are not updated: who skims a crest from afar sees it free again and again, and never hits it.
     if (std::is_same_v<Field, OccupancyField> && mixed && (evidence != nullptr || HoldsSurface(block))) {
       const VoxelBits edge = EdgeOf(free);
       const bool near = cone == 1;
@@ -222,7 +222,7 @@ class Filler {
   uint64_t FreeCells(int block, int scale) {
     if (scale == 4) {
       if (block != wide_[0] && block != wide_[1]) {
-        // With the next of its kind, since two cost what one does.
+        // Two blocks a call: one fills half of a 16-lane group.
         wide_[0] = block;
         wide_[1] = NextOf(work_.blocks.four_apart, block);
         const NodeKey corners[2] = {CornerOf(block), CornerOf(wide_[1])};

@@ -36,7 +36,8 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     const core::Pose T_map_lidar = T_map_odom * poses_.T_odom_mid;
     KeepColumns(params_.region_map, T_map_lidar, &image_);
     RemapScan(spin.scan, poses_, options, &image_);
-    // Cells no wider than the beams are apart where they end: the rest of the tables is not needed.
+    // At the farthest return beams are apart_m apart; wider cells are never used, so their tables are
+    // skipped.
     const double apart_m = static_cast<double>(image_.reach_m) * grid_.min_pitch_rad;
     while (options.max_scale > 1 && options.max_scale * resolution > apart_m) options.max_scale /= 2;
     FindPlanes(T_map_lidar.linear(), options, &image_);

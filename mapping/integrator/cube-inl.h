@@ -14,7 +14,8 @@ namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
 constexpr float kSqrt3 = 1.7320508f;
-constexpr float kNear = 2.5f;        ///< closer than this many radii to the axis, angles are not bounded
+constexpr float kMinAxisDistanceRadii =
+    2.5f;                            ///< nearer to the axis, the azimuth wraps and the footprint is undefined
 constexpr float kFirstOrder = 0.1f;  ///< voxels: what the second order may add for first order to do
 constexpr float kRowBend = 0.05f;    ///< rows: what uneven beams may
 constexpr int kColumnsSpare = 4;     ///< kept from the seam of the grid, for windows around
@@ -83,7 +84,7 @@ struct Footprint {
   MF outside, clipped;
 };
 
-/// @pre the cubes are off the sensor's axis, as kNear says; else what comes out means nothing.
+/// @pre the cubes are off the sensor's axis, by kMinAxisDistanceRadii; else the footprint is undefined.
 HWY_INLINE Footprint FootprintOf(DF d, const BeamGrid& grid, const Cubes& m) {
   const DI di;
   const VF one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-6f);

@@ -23,7 +23,7 @@ HWY_INLINE bool StoreNone(DF, int16_t* out) {
   return false;
 }
 
-/// Distances of Lanes(d) voxels at (x, y, z) in the turned frame; stores them and says whether any is within
+/// Distances of Lanes(d) voxels at (x, y, z) in the turned frame; stores them; true where any is within
 /// the truncation.
 HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules& rules, const GridPoint& p,
                               VF x, VF y, VF z, const float turn[2], int16_t* out) {

@@ -49,8 +49,8 @@ struct Surface {
     const MF before = hn::Lt(distance, hn::Zero(d));
     const VF whole = hn::Mul(
         step, hn::IfThenElse(before, hn::Min(steps, hn::Set(d, -1.0f)), hn::Max(steps, hn::Set(d, 1.0f))));
-    const VI told = hn::ConvertTo(di, hn::Min(whole, hn::Set(d, near)));
-    return hn::Or(told, hn::IfThenElseZero(hn::RebindMask(di, hn::Not(before)), hn::Set(di, place)));
+    const VI place_bits = hn::ConvertTo(di, hn::Min(whole, hn::Set(d, near)));
+    return hn::Or(place_bits, hn::IfThenElseZero(hn::RebindMask(di, hn::Not(before)), hn::Set(di, place)));
   }
 };
 
@@ -76,13 +76,13 @@ HWY_INLINE MF Within(DF d, const Vector3& p, const TrailRules& rules, float marg
 constexpr float kTrailReach = kTrailBehind + 1, kApproachReach = HitApproaches::kVoxels + 1;
 
 /// Where voxels of the window are held.
-struct Home {
+struct BlockSlot {
   VI block, voxel, place;  ///< as in HitTrails
-  MF none;                 ///< in slot 0
+  MF unallocated;          ///< in slot 0
 };
 /// @param asked  lanes that matter; the others' voxels may lie outside the window.
-HWY_INLINE Home HomeOf(DF d, const Vector3& voxel, MF asked, const ScanFrame& frame,
-                       const TrailRules& rules) {
+HWY_INLINE BlockSlot BlockSlotOf(DF d, const Vector3& voxel, MF asked, const ScanFrame& frame,
+                                 const TrailRules& rules) {
   const DI di;
   const VI x = hn::ConvertTo(di, voxel.x), y = hn::ConvertTo(di, voxel.y), z = hn::ConvertTo(di, voxel.z);
   VI chunk = hn::Add(
@@ -93,32 +93,32 @@ HWY_INLINE Home HomeOf(DF d, const Vector3& voxel, MF asked, const ScanFrame& fr
   const VI seven = hn::Set(di, 7), fifty_six = hn::Set(di, 56);
   const VI block = hn::Or(hn::And(hn::ShiftRight<3>(x), seven),
                           hn::Or(hn::And(y, fifty_six), hn::ShiftLeft<3>(hn::And(z, fifty_six))));
-  Home home;
-  home.voxel = hn::Or(hn::And(x, seven),
-                      hn::Or(hn::ShiftLeft<3>(hn::And(y, seven)), hn::ShiftLeft<6>(hn::And(z, seven))));
-  home.block = hn::Or(hn::ShiftLeft<9>(chunk), block);
+  BlockSlot where;
+  where.voxel = hn::Or(hn::And(x, seven),
+                         hn::Or(hn::ShiftLeft<3>(hn::And(y, seven)), hn::ShiftLeft<6>(hn::And(z, seven))));
+  where.block = hn::Or(hn::ShiftLeft<9>(chunk), block);
   const VI row = hn::GatherIndex(di, rules.row_of_chunk, chunk);
   const VI slot = hn::GatherIndex(di, rules.slots, hn::Or(hn::ShiftLeft<9>(row), block));
-  home.place = hn::Or(hn::ShiftLeft<9>(slot), home.voxel);
-  home.none = hn::RebindMask(d, hn::Eq(slot, hn::Zero(di)));
-  return home;
+  where.place = hn::Or(hn::ShiftLeft<9>(slot), where.voxel);
+  where.unallocated = hn::RebindMask(d, hn::Eq(slot, hn::Zero(di)));
+  return where;
 }
 
-/// What is held at places, of lanes with a place.
+/// Gathers held[place], int8: loads the aligned 32-bit word, shifts the byte to the top, and back with its
+/// sign.
 HWY_INLINE VI HeldAt(const int8_t* held, VI place) {
   const DI di;
-  // Four bytes hold it; up to the top and, with its sign, down again.
   const VI four = hn::GatherIndex(di, reinterpret_cast<const int32_t*>(held), hn::ShiftRight<2>(place));
   const VI above = hn::Sub(hn::Set(di, 24), hn::ShiftLeft<3>(hn::And(place, hn::Set(di, 3))));
   return hn::ShiftRight<24>(hn::Shl(four, above));
 }
 
-/// What hits say of the voxels that hold their ends.
+/// Log-odds updates of the voxels that hold the ends of hits.
 struct End {
   Vector3 voxel;
   VI delta;
-  VI said;    ///< as in HitTrails
-  MF inside;  ///< no voxel of the trail can be left out
+  VI saturated_at;  ///< as in HitTrails
+  MF inside;        ///< no voxel of the trail can be left out
 };
 HWY_INLINE End EndOf(DF d, const Hits& h, const TrailRules& rules) {
   const DI di;
@@ -130,8 +130,8 @@ HWY_INLINE End EndOf(DF d, const Hits& h, const TrailRules& rules) {
   const VF place = hn::Min(hn::Max(hn::Floor(hn::Mul(behind, places)), hn::Zero(d)), last);
   end.delta = hn::Add(hn::Set(di, rules.model.hit_units), hn::ConvertTo(di, place));
   end.inside = Within(d, h.p, rules, kTrailReach);
-  // The first hit in a voxel tells its place, so that no choice among many biases it.
-  end.said =
+  // The first hit in a voxel sets where in it the surface lies, so that no choice among many biases it.
+  end.saturated_at =
       hn::IfThenElse(hn::RebindMask(di, end.inside), hn::Set(di, rules.model.hit_units), hn::Set(di, 128));
   return end;
 }

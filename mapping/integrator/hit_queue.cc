@@ -60,35 +60,35 @@ void BoundEnds(const ScanImage& image, const ScanFrame& frame, float* low, float
 
 /// A group of hits against what is held of their ends' voxels, and each against the one before.
 struct EndGroup {
-  uint32_t hits = 0, says = 0, news = 0;
+  uint32_t hits = 0, updates = 0, changed = 0;
   alignas(64) int32_t block[kHitGroup + 1], voxel[kHitGroup + 1], delta[kHitGroup + 1];  ///< from 1 on
-  alignas(64) int32_t said[kHitGroup];
+  alignas(64) int32_t saturated_at[kHitGroup];
 
   HWY_INLINE void Store(DF d, const Hits& h, MF dense, const End& end, const ScanFrame& frame,
                         const TrailRules& rules, const int8_t* held, size_t lane) {
     const DI di;
     const MF kept = hn::And(dense, Within(d, end.voxel, rules, 0.0f));
-    const Home home = HomeOf(d, end.voxel, kept, frame, rules);
-    const VI value = HeldAt(held, hn::IfThenElseZero(hn::RebindMask(di, kept), home.place));
+    const BlockSlot where = BlockSlotOf(d, end.voxel, kept, frame, rules);
+    const VI value = HeldAt(held, hn::IfThenElseZero(hn::RebindMask(di, kept), where.place));
     hits |= BitsOf(d, h.hit) << lane;
-    says |= BitsOf(d, kept) << lane;
-    news |= BitsOf(d, hn::RebindMask(d, hn::Lt(value, end.said))) << lane;
-    hn::StoreU(home.block, di, block + 1 + lane);
-    hn::StoreU(home.voxel, di, voxel + 1 + lane);
+    updates |= BitsOf(d, kept) << lane;
+    changed |= BitsOf(d, hn::RebindMask(d, hn::Lt(value, end.saturated_at))) << lane;
+    hn::StoreU(where.block, di, block + 1 + lane);
+    hn::StoreU(where.voxel, di, voxel + 1 + lane);
     hn::StoreU(end.delta, di, delta + 1 + lane);
-    hn::Store(end.said, di, said + lane);
+    hn::Store(end.saturated_at, di, saturated_at + lane);
   }
   /// The hits that add something, a bit each.
-  HWY_INLINE uint32_t Telling(DF d) const {
+  HWY_INLINE uint32_t Updating(DF d) const {
     const DI di;
     uint32_t repeats = 0;
     for (size_t i = 0; i < kHitGroup; i += hn::Lanes(di)) {
       const auto same = hn::And(hn::Eq(hn::LoadU(di, block + i), hn::LoadU(di, block + 1 + i)),
                                 hn::Eq(hn::LoadU(di, voxel + i), hn::LoadU(di, voxel + 1 + i)));
-      const auto enough = hn::Not(hn::Lt(hn::LoadU(di, delta + i), hn::Load(di, said + i)));
+      const auto enough = hn::Not(hn::Lt(hn::LoadU(di, delta + i), hn::Load(di, saturated_at + i)));
       repeats |= BitsOf(d, hn::RebindMask(d, hn::And(same, enough))) << i;
     }
-    return hits & (news | ~says) & ~(repeats & says & says << 1);
+    return hits & (changed | ~updates) & ~(repeats & updates & updates << 1);
   }
 };
 
@@ -135,7 +135,7 @@ void CellsToQueue(const ScanImage& image, size_t first, const ScanFrame& frame, 
     }
     ends.Store(d, h, dense, EndOf(d, h, rules), frame, rules, held, lane);
   }
-  Append(d, group, ends.Telling(d), queue);
+  Append(d, group, ends.Updating(d), queue);
 }
 
 }  // namespace HWY_NAMESPACE

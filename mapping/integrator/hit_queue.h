@@ -1,4 +1,4 @@
-// The hits of a scan on their way into the map, less those that would say again what others said.
+// The hits of a scan on their way into the map, less those that would repeat the update of others.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct TrailRules {
 /// @param frame  its axes and resolution.
 void BoundsOfEnds(const ScanImage& image, const ScanFrame& frame, float low[3], float high[3]);
 
-/// Queues the hits of the 16 cells of `image` from `first` that say something new of the voxels that they end
+/// Queues the hits of the 16 cells of `image` from `first` that would change the voxels that they end
 /// in. `held` as for NewHits (hit_trails.h).
 void QueueCells(const ScanImage& image, size_t first, const ScanFrame& frame, const TrailRules& rules,
                 const int8_t* held, HitQueue* queue);

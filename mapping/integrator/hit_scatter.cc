@@ -7,8 +7,9 @@
 namespace atlas::mapping {
 namespace {
 
-// Voxels between beams:
-constexpr double kDense = 0.5;        ///< farther, and hardly a voxel holds two hits
+/// Hits are deduplicated only where beams are closer than this many voxels: elsewhere hardly a voxel holds
+/// two.
+constexpr double kDuplicateHitPitchVoxels = 0.5;
 constexpr size_t kClearedAtOnce = 8;  ///< blocks
 constexpr int kWindowMargin = 8;      ///< voxels beyond the outermost ray end
 
@@ -105,7 +106,7 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
   TrailRules rules{model,
                    keep_min,
                    keep_max,
-                   static_cast<float>(kDense / image.grid->min_pitch_rad),
+                   static_cast<float>(kDuplicateHitPitchVoxels / image.grid->min_pitch_rad),
                    row_of_chunk_.data(),
                    nullptr};
   HitQueue queue{}, oblique{};
@@ -119,9 +120,9 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
     while (queue.count >= least) {
       Reserve(&rules);
       FollowTrails(frame, rules, &queue, &trails_);
-      const uint32_t news = NewHits(trails_, blocks_.front().delta);
-      TakeGroup(trails_.oblique & news, &queue, &oblique);
-      ScatterVoxels(news, &trails_);
+      const uint32_t changed = NewHits(trails_, blocks_.front().delta);
+      TakeGroup(trails_.oblique & changed, &queue, &oblique);
+      ScatterVoxels(changed, &trails_);
       if (oblique.count >= kHitGroup) approach();
     }
   };
@@ -147,7 +148,7 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
 template <typename Voxels>
 void HitScatter::ScatterVoxels(uint32_t which, Voxels* voxels) {
   for (int at = 0; at < Voxels::kVoxels; ++at) {
-    for (uint32_t bits = voxels->homeless[at] & which; bits != 0; bits &= bits - 1) {
+    for (uint32_t bits = voxels->unallocated[at] & which; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<size_t>(__builtin_ctz(bits));
       const auto slot = static_cast<int32_t>(SlotOf(voxels->block[at][lane]));
       voxels->place[at][lane] = slot * kBlockVoxels + voxels->voxel[at][lane];

@@ -13,7 +13,7 @@ namespace HWY_NAMESPACE {
 
 constexpr float kStill = 1e-9f;  ///< less of an axis in a direction: never crosses a voxel along it
 constexpr float kNever = 1e30f;
-constexpr float kApproach = 2.0f;  ///< voxels in front of the (shifted) plane: farther, the cones tell
+constexpr float kApproach = 2.0f;  ///< voxels in front of the (shifted) plane: farther, the cone test decides
 constexpr float kOblique = 0.5f;   ///< cosine of incidence: steeper beams leave the surface at once
 
 /// Steps from voxel to voxel along lines (Amanatides and Woo).
@@ -53,20 +53,21 @@ HWY_INLINE Walk WalkFrom(DF d, const Vector3& p, const Vector3& voxel, const Vec
   return walk;
 }
 
-/// Stores Lanes(d) voxels of a trail; `delta` counts where `said` and the voxel is kept.
+/// Stores Lanes(d) voxels of a trail; `delta` counts where `counts` and the voxel is kept.
 template <int kMost>
-HWY_INLINE void Say(DF d, const Vector3& voxel, VI delta, MF said, bool all_kept, const ScanFrame& frame,
-                    const TrailRules& rules, int at, size_t lane, TrailVoxels<kMost>* out) {
+HWY_INLINE void StoreUpdate(DF d, const Vector3& voxel, VI delta, MF counts, bool all_kept,
+                            const ScanFrame& frame, const TrailRules& rules, int at, size_t lane,
+                            TrailVoxels<kMost>* out) {
   const DI di;
-  const MF kept = all_kept ? said : hn::And(said, Within(d, voxel, rules, 0.0f));
+  const MF kept = all_kept ? counts : hn::And(counts, Within(d, voxel, rules, 0.0f));
   const uint32_t bits = BitsOf(d, kept);
   if (bits == 0) return;
-  const Home home = HomeOf(d, voxel, kept, frame, rules);
-  out->says[at] |= bits << lane;
-  out->homeless[at] |= BitsOf(d, hn::And(kept, home.none)) << lane;
-  hn::Store(home.block, di, out->block[at] + lane);
-  hn::Store(home.voxel, di, out->voxel[at] + lane);
-  hn::Store(home.place, di, out->place[at] + lane);
+  const BlockSlot where = BlockSlotOf(d, voxel, kept, frame, rules);
+  out->updates[at] |= bits << lane;
+  out->unallocated[at] |= BitsOf(d, hn::And(kept, where.unallocated)) << lane;
+  hn::Store(where.block, di, out->block[at] + lane);
+  hn::Store(where.voxel, di, out->voxel[at] + lane);
+  hn::Store(where.place, di, out->place[at] + lane);
   hn::Store(delta, di, out->delta[at] + lane);
 }
 
@@ -81,11 +82,11 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, MF followed, const ScanFrame& f
   const Surface surface(d, rules.model, h.range);
   const End end = EndOf(d, h, rules);
   const bool all_kept = hn::AllTrue(d, hn::Or(end.inside, hn::Not(h.hit)));
-  const auto say = [&](const Vector3& voxel, VI delta, MF said, int at) {
-    Say(d, voxel, delta, said, all_kept, frame, rules, at, lane, out);
+  const auto store = [&](const Vector3& voxel, VI delta, MF counts, int at) {
+    StoreUpdate(d, voxel, delta, counts, all_kept, frame, rules, at, lane, out);
   };
-  say(end.voxel, end.delta, h.hit, 0);
-  hn::Store(end.said, di, out->said + lane);
+  store(end.voxel, end.delta, h.hit, 0);
+  hn::Store(end.saturated_at, di, out->saturated_at + lane);
 
   Walk behind = WalkFrom(d, h.p, end.voxel, h.along);
   MF goes_on = followed;
@@ -94,7 +95,7 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, MF followed, const ScanFrame& f
     const VF distance = DistanceTo(d, h, behind.voxel);
     goes_on = hn::And(goes_on, hn::Le(distance, surface.depth));
     if (hn::AllFalse(d, goes_on)) break;
-    say(behind.voxel, surface.NearUnits(d, distance, OccupancyField::kPlaces - 1), goes_on, 1 + step);
+    store(behind.voxel, surface.NearUnits(d, distance, OccupancyField::kPlaces - 1), goes_on, 1 + step);
   }
   Walk front = WalkFrom(d, h.p, end.voxel, Reversed(h.along));
   goes_on = followed;
@@ -103,7 +104,7 @@ HWY_INLINE void WriteTrails(DF d, const Hits& h, MF followed, const ScanFrame& f
     const VF distance = DistanceTo(d, h, front.voxel);
     goes_on = hn::And(goes_on, hn::Gt(distance, hn::Neg(surface.band)));
     if (hn::AllFalse(d, goes_on)) break;
-    say(front.voxel, surface.NearUnits(d, distance, 0), goes_on, 1 + kTrailBehind + step);
+    store(front.voxel, surface.NearUnits(d, distance, 0), goes_on, 1 + kTrailBehind + step);
   }
 }
 
@@ -119,10 +120,11 @@ HWY_INLINE void WriteApproaches(DF d, const Hits& h, const ScanFrame& frame, con
     const VF distance = DistanceTo(d, h, back.voxel);
     goes_on = hn::And(goes_on, hn::Gt(distance, hn::Set(d, -kApproach)));
     if (hn::AllFalse(d, goes_on)) break;
-    // The first ones the trail speaks of, while they are in the band.
+    // The first ones belong to the trail, while they are in the band.
     const MF more =
         step < kTrailInFront ? hn::And(goes_on, hn::Le(distance, hn::Neg(surface.band))) : goes_on;
-    Say(d, back.voxel, surface.NearUnits(d, distance, 0), more, all_kept, frame, rules, step, lane, out);
+    StoreUpdate(d, back.voxel, surface.NearUnits(d, distance, 0), more, all_kept, frame, rules, step, lane,
+                out);
   }
 }
 
@@ -144,8 +146,8 @@ HWY_INLINE void FillUp(HitQueue* queue) {
 
 template <int kMost>
 HWY_INLINE void Clear(TrailVoxels<kMost>* voxels) {
-  for (uint32_t& says : voxels->says) says = 0;
-  for (uint32_t& homeless : voxels->homeless) homeless = 0;
+  for (uint32_t& updates : voxels->updates) updates = 0;
+  for (uint32_t& unallocated : voxels->unallocated) unallocated = 0;
 }
 
 void Trails(const ScanFrame& frame, const TrailRules& rules, HitQueue* queue, HitTrails* out) {
@@ -196,14 +198,14 @@ uint32_t NewOfGroup(const HitTrails& trails, const int8_t* held) {
   const size_t lanes = hn::Lanes(di);
   uint32_t more = 0;
   for (size_t i = 0; i < kHitGroup; i += lanes) {
-    const uint32_t said = trails.says[0] >> i & LaneBits(d);
+    const uint32_t updated = trails.updates[0] >> i & LaneBits(d);
     VI place = hn::Load(di, trails.place[0] + i);
-    if (said == 0) continue;
-    place = hn::IfThenElseZero(MaskOf(di, said), place);
+    if (updated == 0) continue;
+    place = hn::IfThenElseZero(MaskOf(di, updated), place);
     const VI value = HeldAt(held, place);
-    more |= BitsOf(d, hn::RebindMask(d, hn::Lt(value, hn::Load(di, trails.said + i)))) << i;
+    more |= BitsOf(d, hn::RebindMask(d, hn::Lt(value, hn::Load(di, trails.saturated_at + i)))) << i;
   }
-  return trails.hits & (more | ~trails.says[0]);
+  return trails.hits & (more | ~trails.updates[0]);
 }
 
 template <int kMost>
@@ -212,10 +214,10 @@ HWY_INLINE void PackAll(const TrailVoxels<kMost>& voxels, uint32_t hits, VoxelUp
   const size_t lanes = hn::Lanes(di);
   size_t count = 0;
   for (int at = 0; at < kMost; ++at) {
-    const uint32_t says = voxels.says[at] & hits;
-    if (says == 0) continue;
+    const uint32_t updated = voxels.updates[at] & hits;
+    if (updated == 0) continue;
     for (size_t i = 0; i < kHitGroup; i += lanes) {
-      const auto mask = MaskOf(di, says >> i);
+      const auto mask = MaskOf(di, updated >> i);
       hn::CompressStore(hn::Load(di, voxels.delta[at] + i), mask, di, out->delta + count);
       count += hn::CompressStore(hn::Load(di, voxels.place[at] + i), mask, di, out->place + count);
     }

@@ -1,4 +1,12 @@
-// What hits say of the voxels around their ends (Eq. 4.2), 16 hits at a time.
+// Log-odds updates around the ends of hits by the inverse sensor model of Eq. 4.2, 16 hits at a time.
+//
+//      L(d)  free, -miss_nats          hit_nats (the voxel of the return)
+//                                       .
+//      ---------------------+          /|\   near_nats
+//                            \        / | '--------.
+//      0 ---------------------\------+--+----------+-------- distance along the beam
+//                              \    /               behind lambda_r d: no update
+//                          -3 sigma  surface
 #pragma once
 
 #include <cstdint>
@@ -7,7 +15,7 @@
 
 namespace atlas::mapping {
 
-/// Voxels that the hits of a group speak of, kMost a hit.
+/// Voxels that the hits of a group update, kMost a hit.
 template <int kMost>
 struct TrailVoxels {
   static constexpr int kVoxels = kMost;
@@ -18,28 +26,29 @@ struct TrailVoxels {
   /// had none when asked.
   alignas(64) int32_t place[kVoxels][kHitGroup];
   alignas(64) int32_t delta[kVoxels][kHitGroup];
-  uint32_t says[kVoxels];      ///< a bit a lane: delta is not 0
-  uint32_t homeless[kVoxels];  ///< of those, the ones in slot 0
+  uint32_t updates[kVoxels];      ///< a bit a lane: delta is not 0
+  uint32_t unallocated[kVoxels];  ///< of those, the ones in slot 0
 };
 
 constexpr int kTrailBehind = 4, kTrailInFront = 2;
 
-/// What is said of the voxel that holds each hit's end, then on along the beam, then back.
+/// Updates of the voxel that holds each hit's end, then on along the beam, then back.
 struct HitTrails : TrailVoxels<1 + kTrailBehind + kTrailInFront> {
-  alignas(64) int32_t said[kHitGroup];  ///< where the end's voxel holds this or more, the hit adds nothing
-  uint32_t hits;                        ///< a bit a lane
-  uint32_t oblique;                     ///< of those, the ones whose approach is worth following
+  alignas(64) int32_t
+      saturated_at[kHitGroup];  ///< where the end's voxel holds this or more, the hit adds nothing
+  uint32_t hits;                ///< a bit a lane
+  uint32_t oblique;             ///< of those, the ones whose approach is worth following
 };
 
-/// What is said of the voxels farther back along the beam, while the hit's plane is near: those that it cuts
+/// Updates of the voxels farther back along the beam, while the hit's plane is near: those that it cuts
 /// hold surface, those in front of it are free, whatever returned from around them.
 using HitApproaches = TrailVoxels<32>;
 
-/// The hits of a group that say more than is held already: of their ends' voxels, as they were before it.
+/// Bitmask of hits whose end voxel would change, judged by its value before this group.
 /// @param held  of all slots, by HitTrails::place; aligned.
 uint32_t NewHits(const HitTrails& trails, const int8_t* held);
 
-/// What those hits say, one voxel after the other.
+/// The updates of those hits, one voxel after the other.
 struct VoxelUpdates {
   static constexpr size_t kMost = HitApproaches::kVoxels * kHitGroup;
   alignas(64) int32_t place[kMost + kHitGroup], delta[kMost + kHitGroup];  ///< as in HitTrails

@@ -32,7 +32,8 @@ struct IntegratorParams {
   double miss_nats = 0.4;    ///< -L_min
   double hit_nats = 0.8;     ///< of the voxel that holds a return
   double near_nats = 0.4;    ///< at most, of others that the surface reaches; less than hit_nats
-  double skim_cosine = 0.0;  ///< beams at a lower cosine of incidence tell of their returns' voxels alone
+  double skim_cosine = 0.0;  ///< grazing beams (cosine of incidence below this) update only the voxel of
+                             ///< their return: no band of Eq. 4.2
   double edge_nats = 0.2;    ///< an occupied voxel that is free only at a surface's edge loses this
   double pierce_voxels =
       0.5;  ///< a beam clears voxels whose middle it passes this near, whatever ends around
@@ -43,7 +44,7 @@ struct IntegratorParams {
   double remap_stop_rad = 0.001;         ///< the search for the nearest ray ends here (4.5.3)
   std::optional<core::Box3> region_map;  ///< nothing is kept outside, where given
   int threads = 1;                       ///< workers that fill chunks; not a parameter of the map
-  /// What a ray says, whatever the map: max_range_m, void_rays, void_range_m.
+  /// The measurement model of a ray, whatever the map: max_range_m, void_rays, void_range_m.
   void VisitRays(core::ParamVisitor& v);
   /// How scans fill the octree: of occupancy and of signed distances, of one of them alone.
   void VisitFilling(core::ParamVisitor& v);

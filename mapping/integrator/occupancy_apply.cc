@@ -33,14 +33,14 @@ HWY_INLINE V8 Lower(D8 d, V8 value, V8 miss) {
 }
 
 /// The value after an update by whole steps and, of what is positive, a place. Places go a step towards those
-/// of returns; others tell only of voxels that have none.
+/// of returns; others only in voxels that have none.
 HWY_INLINE V8 Update(D8 d, V8 value, V8 delta, V8 hit) {
   const V8 zero = hn::Zero(d), one = hn::Set(d, 1), bits = hn::Set(d, OccupancyField::kPlaces - 1);
   const M8 placed = hn::Gt(value, zero), places = hn::Gt(delta, zero), returned = hn::Not(hn::Lt(delta, hit));
-  const V8 old_place = hn::And(value, bits), told = hn::IfThenElseZero(places, hn::And(delta, bits));
-  const V8 towards = hn::Min(hn::Max(hn::Sub(told, old_place), hn::Neg(one)), one);
+  const V8 old_place = hn::And(value, bits), update = hn::IfThenElseZero(places, hn::And(delta, bits));
+  const V8 towards = hn::Min(hn::Max(hn::Sub(update, old_place), hn::Neg(one)), one);
   const V8 kept = hn::Add(old_place, hn::IfThenElseZero(returned, towards));
-  const V8 place = hn::IfThenElse(placed, kept, told);
+  const V8 place = hn::IfThenElse(placed, kept, update);
   const V8 base = hn::IfThenElse(placed, hn::AndNot(bits, value), value);
   V8 sum = hn::SaturatedAdd(base, hn::IfThenElse(places, hn::AndNot(bits, delta), delta));
   sum = hn::Min(hn::Max(sum, hn::Set(d, OccupancyField::kMin)), hn::Set(d, OccupancyField::kMax));
@@ -73,8 +73,8 @@ ApplyResult Apply(int8_t* values, int layers, const uint64_t* free, const WeakMi
       if (delta == nullptr) {
         now = Lower(d, old, change);
       } else {
-        const V8 told = hn::LoadU(d, delta + at);
-        now = Update(d, old, hn::IfThenElse(hn::Eq(told, zero), change, told), hit);
+        const V8 update = hn::LoadU(d, delta + at);
+        now = Update(d, old, hn::IfThenElse(hn::Eq(update, zero), change, update), hit);
       }
       hn::StoreU(now, d, values + at);
       difference = hn::Or(difference, hn::Xor(now, old));

@@ -21,14 +21,14 @@ struct WeakMisses {
 };
 
 /// `layers` times 64 values. Where delta (may be null) is not 0, adds it; else where a bit of free (may be
-/// null for all) is set, subtracts miss_units or what `weak` says. Clamped; known evidence that cancels is
-/// held as 1. A delta of hit_units or more is a return's: of what is positive the low
-/// bits say where in the voxel the surface lies (OccupancyField::kPlaces).
+/// null for all) is set, subtracts miss_units, or the units of `weak` in its voxels. Clamped; known evidence
+/// that cancels is held as 1. A delta of hit_units or more is a return's: of what is positive the low bits
+/// hold where in the voxel the surface lies (OccupancyField::kPlaces).
 ApplyResult ApplyEvidence(int8_t* values, int layers, const uint64_t* free, const WeakMisses& weak,
                           const int8_t* delta, int miss_units, int hit_units);
 
-/// Of the 4^3 octants of a block's 512 values, those that are as free as can be throughout. Bit x + 2 y + 4
-/// z.
+/// Of the 4^3 octants of a block's 512 values, those whose voxels all equal kMin (saturated free). Bit x + 2
+/// y + 4 z.
 uint32_t SaturatedOctants(const int8_t* values);
 
 /// The same miss on those of 64 values whose bit is set; returns the bits that changed.

@@ -1,5 +1,6 @@
 // Unorganised clouds, ray by ray. Rays only set bits in the blocks that they cross; then each block takes the
-// scan in with one masked pass. Rays that end in one voxel speak through the first of them.
+// scan in with one masked pass. Of the rays that end in one voxel only the
+// first is traced (OctoMap's discretised insertion).
 #include <algorithm>
 #include <atomic>
 #include <ctime>

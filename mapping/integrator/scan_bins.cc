@@ -109,7 +109,7 @@ constexpr float kEmptyBin = 1e9f;
 void BinRays(ScanImage* image) {
   ScanImage::Bins& bins = image->bins;
   const auto columns = static_cast<size_t>(image->columns);
-  // Empty bins are told by `du` alone.
+  // `du` alone marks empty bins.
   std::fill_n(bins.du.begin(), bins.ray.size(), kEmptyBin);
   HWY_DYNAMIC_DISPATCH(BinScan)(image);
   for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {

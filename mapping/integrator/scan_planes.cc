@@ -143,7 +143,7 @@ struct Lean {
   VF inverse_cos, support;
 };
 
-/// Turns slopes into the normal: the range grows along the surface as the slopes say.
+/// Turns slopes into the normal: the slopes are the range's growth a row and a column.
 HWY_INLINE Lean StorePlane(DF d, const float* rotation, float half_voxel, Slopes slope, VF range, size_t i,
                            ScanImage* image) {
   const VF one = hn::Set(d, 1.0f);

@@ -31,7 +31,7 @@ bool Distances(int16_t* distance, uint8_t* weight, int layers, const uint64_t* f
       const auto old = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, distance + at)));
       const auto held = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, weight + at)));
       const auto known = hn::Gt(held, hn::Zero(d)), far = hn::Ge(old, farthest);
-      // Free space says that the distance is positive: nothing new where it is, and near a surface.
+      // Free space implies a positive distance: no update where it is positive already, nor near a surface.
       const auto near = hn::And(known, hn::And(hn::Gt(old, hn::Zero(d)), hn::Lt(old, farthest)));
       auto value = hn::IfThenElse(hn::AndNot(near, free_here), farthest, none);
       auto w = held;

@@ -12,7 +12,7 @@ namespace atlas::mapping {
 template <typename Field>
 using ChunkNeighbours = std::array<const typename Octree<Field>::Chunk*, 27>;
 
-/// What a voxel says about the surface: positive outside, zero or negative inside, NaN unknown. Signed
+/// Sign of a voxel against the surface: positive outside, zero or negative inside, NaN unknown. Signed
 /// distance in voxels; log-odds in units of the upper clamp, where voxels at the lower clamp, whose evidence
 /// is cut off earlier, count as much as those at the upper one: between two saturated ends the surface lies
 /// in the middle.

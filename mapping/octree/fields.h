@@ -1,6 +1,6 @@
 // What an octree stores a voxel: log-odds occupancy (MultiresOFusion) or a signed distance (MultiresTSDF).
 //
-// A field says how N cells lie in memory (`Cells<N>`), what a node above them knows (`Node`) and how eight
+// A field defines how N cells lie in memory (`Cells<N>`), what a node above them knows (`Node`) and how eight
 // nodes make their parent. All-zero cells are unknown in both.
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace atlas::mapping {
 
 /// Log-odds occupancy in steps of 0.05 nats, int8. 0 is unknown: observed evidence that cancels is held as 1.
-/// The two low bits of an occupied voxel say where in it the surface lies (PlaceOf) and count for nothing.
+/// The two low bits of an occupied voxel hold where in it the surface lies (PlaceOf) and count for nothing.
 struct OccupancyField {
   using Value = int8_t;
   static constexpr double kNatsPerUnit = 0.05;

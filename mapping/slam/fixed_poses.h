@@ -17,6 +17,10 @@ class FixedPoses : public core::PoseSource {
     return T_map_keyframe_[keyframe];
   }
   uint64_t version() const override { return 0; }
+  core::KeyframeId latest() const override {
+    assert(!T_map_keyframe_.empty());
+    return static_cast<core::KeyframeId>(T_map_keyframe_.size() - 1);
+  }
 
  private:
   std::vector<core::Pose> T_map_keyframe_;

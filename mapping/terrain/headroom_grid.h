@@ -1,5 +1,5 @@
 // Where the space that the body needs was seen to be empty. Ground that shows below an overhanging thing (a
-// car, a bench, a helicopter's belly) says nothing of the space above it: rays must have passed there.
+// car, a bench, a helicopter's belly) is no evidence of the space above it: rays must have passed there.
 #pragma once
 
 #include <cstdint>

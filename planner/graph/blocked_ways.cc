@@ -274,7 +274,20 @@ std::vector<BlockedWay> FindBlockedWays(const Walkable& walkable, const Candidat
   return Search(walkable, tree, footprint).Run();
 }
 
-void BlockedWays::Learn(const Walkable& walkable, const CandidateTree& tree, std::vector<BlockedWay> found) {
+void BlockedWays::Correct(const core::PoseSource& poses) {
+  if (poses.version() == version_) return;
+  version_ = poses.version();
+  for (size_t i = 0; i < anchors_.size(); ++i) {
+    ways_[i].p_map = anchors_[i].middle.p_map(poses).head<2>();
+    for (size_t k = 0; k < anchors_[i].beyond.size(); ++k) {
+      ways_[i].beyond_map[k] = anchors_[i].beyond[k].p_map(poses);
+    }
+  }
+}
+
+void BlockedWays::Learn(const Walkable& walkable, const CandidateTree& tree, std::vector<BlockedWay> found,
+                        const core::PoseSource& poses) {
+  Correct(poses);
   const core::Box3& window = walkable.ground().Window();
   const auto in_window = [&](const core::Vec3& p) {
     return window.Contains(core::Vec3(p.x(), p.y(), window.Center().z()));
@@ -299,6 +312,13 @@ void BlockedWays::Learn(const Walkable& walkable, const CandidateTree& tree, std
       *known = std::move(way);
     }
   }
+  anchors_.clear();
+  for (const BlockedWay& way : ways_) {
+    const double ground_m = way.beyond_map.front().z();
+    Anchors& anchors = anchors_.emplace_back();
+    anchors.middle = core::AnchoredPoint::At(core::Vec3(way.p_map.x(), way.p_map.y(), ground_m), poses);
+    for (const core::Vec3& p : way.beyond_map) anchors.beyond.push_back(core::AnchoredPoint::At(p, poses));
+  }
 }
 
 std::vector<core::Vec3> BlockedWays::PlacesBeyond() const {
@@ -308,12 +328,13 @@ std::vector<core::Vec3> BlockedWays::PlacesBeyond() const {
   return places;
 }
 
-void BlockedWays::SetWorth(const std::vector<double>& shares) {
+void BlockedWays::SetWorth(const std::vector<double>& shares, double least) {
   size_t next = 0;
   for (BlockedWay& way : ways_) {
     double best = 0.0;
     for (size_t k = 0; k < way.beyond_map.size(); ++k) best = std::max(best, shares[next++]);
     way.worth_share = best;
+    way.promises = best >= least;
   }
 }
 

@@ -1,8 +1,10 @@
 // Ways that are too narrow for the robot, and the ground beyond them: what planning leaves out, by name.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
+#include "core/keyframe.h"
 #include "planner/decision.h"
 #include "planner/views/candidates.h"
 #include "planner/views/walkable.h"
@@ -22,21 +24,32 @@ struct Footprint {
 std::vector<BlockedWay> FindBlockedWays(const Walkable& walkable, const CandidateTree& tree,
                                         const Footprint& footprint);
 
-/// Blocked ways over all plans, beyond the window of the terrain map too.
+/// Blocked ways over all plans, beyond the window of the terrain map too; kept relative to keyframes.
 class BlockedWays {
  public:
   /// Takes what a plan found in place of what was known in its window, and forgets ways whose far side `tree`
   /// reaches.
-  void Learn(const Walkable& walkable, const CandidateTree& tree, std::vector<BlockedWay> found);
+  void Learn(const Walkable& walkable, const CandidateTree& tree, std::vector<BlockedWay> found,
+             const core::PoseSource& poses);
   const std::vector<BlockedWay>& ways() const { return ways_; }
 
   /// The ground points beyond all ways.
   std::vector<core::Vec3> PlacesBeyond() const;
-  /// What views from there are worth, in the same order; a way is worth the best of its own.
-  void SetWorth(const std::vector<double>& shares);
+  /// What views from there are worth, in the same order; a way is worth the best of its own, and promises
+  /// something from `least` on.
+  void SetWorth(const std::vector<double>& shares, double least);
 
  private:
+  /// Where a way's points are, in the order of its fields.
+  struct Anchors {
+    core::AnchoredPoint middle;
+    std::vector<core::AnchoredPoint> beyond;
+  };
+  void Correct(const core::PoseSource& poses);
+
   std::vector<BlockedWay> ways_;
+  std::vector<Anchors> anchors_;  ///< of ways_, since the latest Learn
+  uint64_t version_ = 0;
 };
 
 }  // namespace atlas::planner

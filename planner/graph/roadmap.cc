@@ -15,10 +15,24 @@ Roadmap::Cell Roadmap::CellOf(const Vec2& p_map) {
           static_cast<int>(std::lround(p_map.y() / kSamePlace_m))};
 }
 
-void Roadmap::Join(const Cell& a, const Cell& b, bool narrow) {
+void Roadmap::Correct(const core::PoseSource& poses) {
+  if (poses.version() == version_) return;
+  version_ = poses.version();
+  corrected_ = !places_.empty();
+  at_.clear();
+  for (size_t i = 0; i < places_.size(); ++i) {
+    const core::Vec3 p = places_[i].anchor.p_map(poses);
+    places_[i].p_map = p.head<2>();
+    places_[i].ground_m = p.z();
+    const auto [oldest, alone] = at_.emplace(CellOf(places_[i].p_map), i);
+    if (!alone) Join(oldest->second, i, false);
+  }
+}
+
+void Roadmap::Join(size_t a, size_t b, bool narrow) {
   if (a == b) return;
-  const auto add = [&](const Cell& from, const Cell& to) {
-    std::vector<Step>& steps = places_.at(from).steps;
+  const auto add = [&](size_t from, size_t to) {
+    std::vector<Step>& steps = places_[from].steps;
     const bool known = std::any_of(steps.begin(), steps.end(), [&](const Step& s) { return s.to == to; });
     if (!known) steps.push_back({to, narrow});
   };
@@ -26,43 +40,69 @@ void Roadmap::Join(const Cell& a, const Cell& b, bool narrow) {
   add(b, a);
 }
 
-void Roadmap::Learn(const CandidateTree& tree) {
+void Roadmap::JoinToNear(size_t place) {
+  const Cell cell = CellOf(places_[place].p_map);
+  const int reach = static_cast<int>(std::lround(kNear_m / kSamePlace_m));
+  for (int dx = -reach; dx <= reach; ++dx) {
+    for (int dy = -reach; dy <= reach; ++dy) {
+      const auto near = at_.find({cell.first + dx, cell.second + dy});
+      if (near == at_.end()) continue;
+      if ((places_[near->second].p_map - places_[place].p_map).norm() <= kNear_m) {
+        Join(near->second, place, false);
+      }
+    }
+  }
+}
+
+void Roadmap::Learn(const CandidateTree& tree, const core::PoseSource& poses) {
+  Correct(poses);
+  const size_t known = places_.size();
   for (const CandidateNode& node : tree.nodes) {
-    Place& place = places_[CellOf(node.p_map)];
+    const auto [at, is_new] = at_.emplace(CellOf(node.p_map), places_.size());
+    if (is_new) places_.emplace_back();
+    Place& place = places_[at->second];
+    place.anchor = core::AnchoredPoint::At(core::Vec3(node.p_map.x(), node.p_map.y(), node.ground_m), poses);
     place.p_map = node.p_map;
     place.ground_m = node.ground_m;
   }
+  if (corrected_) {
+    for (size_t i = known; i < places_.size(); ++i) JoinToNear(i);
+  }
   for (const CandidateNode& node : tree.nodes) {
     if (node.parent < 0) continue;
-    Join(CellOf(node.p_map), CellOf(tree.nodes[static_cast<size_t>(node.parent)].p_map), node.narrow);
+    Join(at_.at(CellOf(node.p_map)), at_.at(CellOf(tree.nodes[static_cast<size_t>(node.parent)].p_map)),
+         node.narrow);
   }
 }
 
 void Roadmap::Extend(CandidateTree* tree) const {
-  using Entry = std::tuple<double, Cell, int, bool>;  // length, cell, parent node, narrow
+  using Entry = std::tuple<double, Cell, int, bool, size_t>;  // length, cell, parent node, narrow, place
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  std::set<Cell> done;
-  for (const CandidateNode& node : tree->nodes) done.insert(CellOf(node.p_map));
+  std::set<size_t> done;
+  for (const CandidateNode& node : tree->nodes) {
+    if (const auto at = at_.find(CellOf(node.p_map)); at != at_.end()) done.insert(at->second);
+  }
 
-  const auto expand = [&](int node) {
+  const auto expand = [&](int node, size_t place) {
     const CandidateNode& from = tree->nodes[static_cast<size_t>(node)];
-    const auto place = places_.find(CellOf(from.p_map));
-    if (place == places_.end()) return;
-    for (const Step& step : place->second.steps) {
+    for (const Step& step : places_[place].steps) {
       if (done.contains(step.to)) continue;
-      const double length_m = (places_.at(step.to).p_map - from.p_map).norm();
-      open.emplace(from.path_length_m + length_m, step.to, node, step.narrow);
+      const Vec2& p_map = places_[step.to].p_map;
+      open.emplace(from.path_length_m + (p_map - from.p_map).norm(), CellOf(p_map), node, step.narrow,
+                   step.to);
     }
   };
   const int seeds = static_cast<int>(tree->nodes.size());
-  for (int node = 0; node < seeds; ++node) expand(node);
+  for (int node = 0; node < seeds; ++node) {
+    const auto at = at_.find(CellOf(tree->nodes[static_cast<size_t>(node)].p_map));
+    if (at != at_.end()) expand(node, at->second);
+  }
   while (!open.empty()) {
-    const auto [length_m, cell, parent, narrow] = open.top();
+    const auto [length_m, cell, parent, narrow, at] = open.top();
     open.pop();
-    if (!done.insert(cell).second) continue;
-    const Place& place = places_.at(cell);
-    tree->nodes.push_back({place.p_map, parent, length_m, place.ground_m, narrow});
-    expand(static_cast<int>(tree->nodes.size()) - 1);
+    if (!done.insert(at).second) continue;
+    tree->nodes.push_back({places_[at].p_map, parent, length_m, places_[at].ground_m, narrow});
+    expand(static_cast<int>(tree->nodes.size()) - 1, at);
   }
 }
 

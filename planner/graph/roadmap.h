@@ -2,13 +2,16 @@
 //
 // The terrain map rolls with the robot; what lies behind it is forgotten. The roadmap keeps the lattice
 // places of earlier plans and the steps between them, so that a view in another room stays a candidate, and
-// the way there is known (thesis 3.5 plans in the window only; 4.1 asks for the whole environment).
+// the way there is known (thesis 3.5 plans in the window only; 4.1 asks for the whole environment). Places
+// are kept relative to keyframes: a correction of the map moves them, and the steps between them stay.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
 
+#include "core/keyframe.h"
 #include "planner/views/candidates.h"
 
 namespace atlas::planner {
@@ -18,8 +21,11 @@ class Roadmap {
   /// Places nearer to each other than this are one.
   static constexpr double kSamePlace_m = 0.05;
 
-  /// Learns the places of a plan's tree and the steps of it.
-  void Learn(const CandidateTree& tree);
+  /// Moves every place to where its keyframe lies now.
+  void Correct(const core::PoseSource& poses);
+  /// Learns the places of a plan's tree and the steps of it. Once a correction has moved places off the
+  /// lattice, new ones are joined to those within kNear_m.
+  void Learn(const CandidateTree& tree, const core::PoseSource& poses);
 
   /// Appends to `tree` every place that known steps join to it, each by its shortest way. Indices and order
   /// of the nodes before stay.
@@ -28,20 +34,26 @@ class Roadmap {
   size_t size() const { return places_.size(); }
 
  private:
+  static constexpr double kNear_m = 0.3;
   using Cell = std::pair<int, int>;
   struct Step {
-    Cell to;
+    size_t to;    ///< index of a place
     bool narrow;  ///< through a passage
   };
   struct Place {
+    core::AnchoredPoint anchor;  ///< the ground
     core::Vec2 p_map = core::Vec2::Zero();
     double ground_m = 0.0;
     std::vector<Step> steps;  ///< both ways
   };
   static Cell CellOf(const core::Vec2& p_map);
-  void Join(const Cell& a, const Cell& b, bool narrow);
+  void Join(size_t a, size_t b, bool narrow);
+  void JoinToNear(size_t place);
 
-  std::map<Cell, Place> places_;
+  std::vector<Place> places_;
+  std::map<Cell, size_t> at_;  ///< of places in one cell the oldest
+  uint64_t version_ = 0;       ///< of the poses that places are posed by
+  bool corrected_ = false;
 };
 
 }  // namespace atlas::planner

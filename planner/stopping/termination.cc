@@ -19,6 +19,23 @@ bool MeanBelow(const std::deque<double>& latest, int count, double limit) {
 
 }  // namespace
 
+void TerminationParams::Visit(core::ParamVisitor& v) {
+  v.Field(
+      "stop_ratio", &stop_ratio,
+      {.min = 0.0,
+       .max = 1.0,
+       .doc =
+           "stop where utility, mean of stop_rounds, falls below this share of the greatest so far (Eq. 3.8, "
+           "scale-free)"});
+  v.Field("stop_rounds", &stop_rounds,
+          {.min = 1, .max = 100, .doc = "latest rounds over which utility must be low and the surface flat"});
+  v.Field(
+      "flat_share", &flat_share,
+      {.min = 0.0, .max = 1.0, .doc = "a sweep that adds less of the surface seen so far counts as flat"});
+  v.Field("flat_rounds", &flat_rounds,
+          {.min = 1, .max = 100, .doc = "flat sweeps in a row that stop the mission whatever views promise"});
+}
+
 void Termination::Observe(double best_utility, double latest_surface_share) {
   greatest_utility_ = std::max(greatest_utility_, best_utility);
   ratio_ = greatest_utility_ > 0.0 ? best_utility / greatest_utility_ : 0.0;

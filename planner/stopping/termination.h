@@ -3,6 +3,8 @@
 
 #include <deque>
 
+#include "core/params.h"
+
 namespace atlas::planner {
 
 /// Eq. 3.8 as it stands: no candidate of this plan reaches u_thres, in the gain's own unit. Where the best
@@ -11,12 +13,13 @@ inline bool BelowThreshold(double best_utility, double u_thres) {
   return best_utility < u_thres || best_utility <= 0.0;
 }
 
-/// As in NbvParams, where the defaults are.
+/// Eq. 3.8 made scale-free.
 struct TerminationParams {
-  double stop_ratio = 0.0;  ///< of the greatest utility so far
-  double flat_share = 0.0;  ///< a sweep that adds less of all surface seen so far adds nothing
-  int stop_rounds = 1;      ///< the latest rounds, over which utility must be low and the surface flat
-  int flat_rounds = 1;      ///< flat sweeps in a row that end the mission whatever is promised
+  double stop_ratio = 0.025;  ///< of the greatest utility so far, mean over stop_rounds
+  int stop_rounds = 4;        ///< the latest rounds, over which utility must be low and the surface flat
+  double flat_share = 0.012;  ///< a sweep that adds less of all surface seen so far counts as flat
+  int flat_rounds = 5;        ///< flat sweeps in a row that stop whatever views promise
+  void Visit(core::ParamVisitor& v);
 };
 
 /// Eq. 3.8 stops when the best utility falls below a threshold; here the threshold is a share of the greatest
@@ -33,8 +36,8 @@ class Termination {
   bool GainExhausted() const { return Low() && Flat(); }
   bool SurfaceFlat() const { return flat_rounds_ >= params_.flat_rounds; }
   bool NothingWasPromised() const { return greatest_utility_ <= 0.0; }
-  /// Whether a plan that promises nothing ends the mission: the first one does, and one that low rounds led
-  /// up to. Another may come too early: what earlier sweeps promised has only just been seen.
+  /// A plan of zero utility ends the mission if no plan ever had utility, or if the recent rounds were low.
+  /// Else it may come too early: what earlier sweeps promised has only just been seen.
   bool NothingLeft() const { return NothingWasPromised() || Low(); }
   /// Latest best utility over the greatest so far.
   double ratio() const { return ratio_; }

@@ -28,16 +28,20 @@ int FreeAhead(const mapping::TraversableGround& ground, const Vec2& here, double
 
 }  // namespace
 
-void Recovery::SetOut(const std::vector<Vec2>& path_map) {
-  way_here_ = path_map;
+void Recovery::SetOut(const std::vector<Vec2>& path_map, const core::PoseSource& poses) {
+  way_here_.clear();
+  for (const Vec2& p : path_map) {
+    way_here_.push_back(core::AnchoredPoint::At(core::Vec3(p.x(), p.y(), 0.0), poses));
+  }
   turned_ = stepped_ = false;
 }
 
 std::optional<Recovery::Move> Recovery::Next(const core::Pose& T_map_base,
-                                             const mapping::TraversableGround& ground) {
+                                             const mapping::TraversableGround& ground,
+                                             const core::PoseSource& poses) {
   const Vec2 here = T_map_base.translation().head<2>();
   const double yaw = core::YawOf(T_map_base.linear());
-  if (auto back = Back(here)) return back;
+  if (auto back = Back(here, poses)) return back;
   if (!std::exchange(turned_, true)) return Move{{here}, core::WrapAngle(yaw + 0.5 * core::kPi)};
   if (std::exchange(stepped_, true)) return std::nullopt;
   int most = 0;
@@ -54,8 +58,9 @@ std::optional<Recovery::Move> Recovery::Next(const core::Pose& T_map_base,
   return Move{{here, here + kStep_m * Vec2(std::cos(best), std::sin(best))}, best};
 }
 
-std::optional<Recovery::Move> Recovery::Back(const Vec2& here) {
-  std::vector<Vec2> way = std::exchange(way_here_, {});
+std::optional<Recovery::Move> Recovery::Back(const Vec2& here, const core::PoseSource& poses) {
+  std::vector<Vec2> way;
+  for (const core::AnchoredPoint& p : std::exchange(way_here_, {})) way.push_back(p.p_map(poses).head<2>());
   if (way.size() < 2 || (way.back() - here).norm() > kOffTheWay_m) return std::nullopt;
   std::reverse(way.begin(), way.end());
   way.front() = here;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/geometry.h"
+#include "core/keyframe.h"
 #include "mapping/terrain/traversable_ground.h"
 
 namespace atlas::planner {
@@ -23,14 +23,15 @@ class Recovery {
   };
 
   /// The robot sets out on this way to a view.
-  void SetOut(const std::vector<core::Vec2>& path_map);
+  void SetOut(const std::vector<core::Vec2>& path_map, const core::PoseSource& poses);
   /// The next thing to try, or nothing when all was tried since the robot last set out.
-  std::optional<Move> Next(const core::Pose& T_map_base, const mapping::TraversableGround& ground);
+  std::optional<Move> Next(const core::Pose& T_map_base, const mapping::TraversableGround& ground,
+                           const core::PoseSource& poses);
 
  private:
-  std::optional<Move> Back(const core::Vec2& here);
+  std::optional<Move> Back(const core::Vec2& here, const core::PoseSource& poses);
 
-  std::vector<core::Vec2> way_here_;
+  std::vector<core::AnchoredPoint> way_here_;
   bool turned_ = false, stepped_ = false;
 };
 

@@ -78,7 +78,7 @@ const std::map<std::string, std::vector<std::string>> kTrades = {
     {"scenes", {"build", "town"}},
     {"sim", {"world", "render", "sensors", "locomotion", "walking"}},
     {"mapping", {"cloud", "octree", "grid", "integrator", "meshing", "io", "terrain", "slam", "backends"}},
-    {"planner", {"views", "graph", "gain", "travel", "stopping", "planners"}},
+    {"planner", {"gain", "views", "graph", "travel", "stopping", "planners"}},
     {"experiments",
      {"identity", "results", "judge", "video", "mission", "report", "sweep", "record", "mapping_tools",
       "bench", "cli"}}};

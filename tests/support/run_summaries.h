@@ -21,16 +21,16 @@ inline experiments::RunSummary RunOf(const std::string& experiment, uint64_t see
   s.seed = seed;
   s.status = experiments::RunStatus::kCompleted;
   s.stop_reason = experiments::StopReason::kGainExhausted;
-  s.coverage = coverage;
-  s.coverage_attainable = 0.9;
-  s.coverage_of_attainable = coverage / 0.9;
-  s.travel_distance_m = 40.0;
-  s.scans = 11;
-  s.sim_time_s = 746.4;
-  s.nbv_time_s_mean = 0.5;
-  s.real_time_factor = 9.0;
-  s.falls = 0;
-  s.collisions = 0;
+  s.numbers.Set("coverage", coverage);
+  s.numbers.Set("coverage_attainable", 0.9);
+  s.numbers.Set("coverage_of_attainable", coverage / 0.9);
+  s.numbers.Set("travel_distance_m", 40.0);
+  s.numbers.Set("scans", 11);
+  s.numbers.Set("sim_time_s", 746.4);
+  s.numbers.Set("nbv_time_s_mean", 0.5);
+  s.numbers.Set("real_time_factor", 9.0);
+  s.numbers.Set("falls", 0);
+  s.numbers.Set("collisions", 0);
   return s;
 }
 

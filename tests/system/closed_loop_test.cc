@@ -36,14 +36,14 @@ TEST_P(ClosedLoop, ThreeScansRaiseCoverageWithoutHarm) {
   const RunSummary summary = Run(GetParam(), 2, "run");
   EXPECT_TRUE(summary.status == RunStatus::kBudget || summary.status == RunStatus::kCompleted)
       << NameOf(summary.status) << " " << NameOf(summary.stop_reason);
-  EXPECT_EQ(summary.falls, 0.0);
-  EXPECT_EQ(summary.collisions, 0.0);
+  EXPECT_EQ(summary.Number("falls"), 0.0);
+  EXPECT_EQ(summary.Number("collisions"), 0.0);
   const CoverageCurve curve = LoadCoverageCurve(dir_ / "run");
   ASSERT_GE(curve.coverage.size(), 2u);
   EXPECT_GT(curve.coverage.front(), 0.05);
   EXPECT_GT(curve.coverage.back(), curve.coverage.front() + 0.01);
-  EXPECT_GT(summary.travel_distance_m.value(), 0.5);
-  EXPECT_LT(summary.cloud_error_m_mean.value(), 0.03);
+  EXPECT_GT(summary.Number("travel_distance_m").value(), 0.5);
+  EXPECT_LT(summary.Number("cloud_error_m_mean").value(), 0.03);
   for (const char* file :
        {"config.yaml", "summary.json", "steps.csv", "timings.csv", "candidates.csv", "coverage.svg",
         "cloud.ply", "ground_truth.ply", "map.atlas", "trajectory_truth.tum"}) {
@@ -70,7 +70,7 @@ TEST_F(Determinism, SoWithOctomapWhoseMapIsItsOwnFile) {
   const RunSummary summary = Run("car", 1, "one", {"mapper=octomap"});
   Run("car", 2, "two", {"mapper=octomap"});
   EXPECT_EQ(summary.mapper, "octomap");
-  EXPECT_EQ(summary.falls, 0.0);
+  EXPECT_EQ(summary.Number("falls"), 0.0);
   for (const char* file : {"steps.csv", "candidates.csv", "map.bt"}) {
     EXPECT_TRUE(core::ReadFile(dir_ / "one" / file) == core::ReadFile(dir_ / "two" / file)) << file;
   }
@@ -79,7 +79,7 @@ TEST_F(Determinism, SoWithOctomapWhoseMapIsItsOwnFile) {
 TEST_F(Determinism, KinematicLocomotionClosesTheLoopAndIsNamed) {
   const RunSummary summary = Run("car", 2, "kinematic", {"locomotion=kinematic"});
   EXPECT_EQ(summary.locomotion, "kinematic");
-  EXPECT_EQ(summary.scans, 3.0);
+  EXPECT_EQ(summary.Number("scans"), 3.0);
 }
 
 }  // namespace

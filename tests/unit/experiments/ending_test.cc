@@ -8,7 +8,8 @@
 namespace atlas::experiments {
 namespace {
 
-using planner::NbvOutcome;
+using planner::Done;
+using planner::Stuck;
 using sim::MotionStatus;
 
 /// "completed (gain_exhausted)"; "" where the mission goes on.
@@ -18,19 +19,16 @@ std::string TextOf(const std::optional<Ending>& ending) {
 }
 
 TEST(Ending, OfEveryPlanIsStatusAndReason) {
-  const std::vector<std::pair<NbvOutcome, std::string>> of_objects = {
-      {NbvOutcome::kView, ""},
-      {NbvOutcome::kGainExhausted, "completed (gain_exhausted)"},
-      {NbvOutcome::kSurfaceFlat, "completed (surface_flat)"},
-      {NbvOutcome::kRouteDone, "completed (route_done)"},
-      {NbvOutcome::kBlockedNarrow, "budget (blocked_narrow)"},
-      {NbvOutcome::kOutOfReach, "stuck (out_of_reach)"},
-      {NbvOutcome::kNoCandidates, "stuck (no_candidates)"}};
-  for (const auto& [outcome, text] : of_objects) {
-    EXPECT_EQ(TextOf(EndingOf(outcome, false)), text);
-    const std::string of_space = outcome == NbvOutcome::kGainExhausted ? "completed (explored)" : text;
-    EXPECT_EQ(TextOf(EndingOf(outcome, true)), of_space) << "of scenes to explore";
-  }
+  const std::vector<std::pair<planner::Decision, std::string>> endings = {
+      {planner::GoScan{}, ""},
+      {Done{Done::Reason::kGainExhausted}, "completed (gain_exhausted)"},
+      {Done{Done::Reason::kExplored}, "completed (explored)"},
+      {Done{Done::Reason::kSurfaceFlat}, "completed (surface_flat)"},
+      {Done{Done::Reason::kRouteDone}, "completed (route_done)"},
+      {Done{Done::Reason::kBlockedNarrow}, "budget (blocked_narrow)"},
+      {Stuck{Stuck::Reason::kOutOfReach}, "stuck (out_of_reach)"},
+      {Stuck{Stuck::Reason::kNoCandidates}, "stuck (no_candidates)"}};
+  for (const auto& [decision, text] : endings) EXPECT_EQ(TextOf(EndingOf(decision)), text);
 }
 
 TEST(Ending, ComesWithTheThirdFailedWalkInARow) {

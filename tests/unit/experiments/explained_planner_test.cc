@@ -7,6 +7,7 @@
 #include "mapping/grid/dense_grid.h"
 #include "tests/support/explained_rows.h"
 #include "tests/support/flat_ground.h"
+#include "tests/support/planner_stand.h"
 #include "tests/support/tiny_mission.h"
 
 namespace atlas::experiments {
@@ -15,8 +16,8 @@ namespace {
 using core::Pose;
 using core::Vec2;
 using core::Vec3;
-using planner::NbvDecision;
 using tests::Digest;
+using tests::PlanResult;
 using tests::Settings;
 
 const core::Box3 kObject{Vec3(-1.0, -0.5, 0.0), Vec3(1.0, 0.5, 1.2)};
@@ -55,7 +56,7 @@ tests::FlatGround Rooms() {
   return ground;
 }
 
-void Tell(const NbvDecision& decision, Digest* told) {
+void Tell(const PlanResult& decision, Digest* told) {
   told->Add(decision.outcome);
   told->Add(decision.nodes_obtained);
   told->Add(decision.rays_traced);
@@ -77,17 +78,22 @@ std::string PlannerDecides(const ExperimentConfig& config) {
   planner::RobotModel robot;
   robot.sensor.lidar = core::FindLidarModel("vlp16");
   robot.sensor.T_base_lidar.translation().z() = 0.25;
-  const auto nbv = MakeNbvPlanner(config.planner, robot, {kObject, kObject.Inflated(0.5)}, 1, core::Rng(1));
+  tests::PlannerStand nbv(config.planner, {.robot = robot,
+                                           .goal = planner::ObjectInBox{kObject},
+                                           .kept_map = kObject.Inflated(0.5),
+                                           .terrain = {},
+                                           .threads = 1,
+                                           .rng = core::Rng(1)});
   const mapping::DenseGrid map = NearSideMapped();
   tests::FlatGround ground = Rooms();
   Pose T_map_base = core::PoseFromXyzYaw(Vec3(kStart.x(), kStart.y(), 0.44), 0.0);
   Digest told;
   const std::vector<size_t> new_surface = {500, 300, 15, 15, 0, 0, 0, 0};
   for (size_t round = 0; round < new_surface.size(); ++round) {
-    nbv->OnSweep(T_map_base, new_surface[round]);
-    const NbvDecision decision = nbv->Plan(T_map_base, map, ground);
+    nbv.OnSweep(T_map_base, new_surface[round]);
+    const PlanResult decision = nbv.Plan(T_map_base, map, ground);
     Tell(decision, &told);
-    if (decision.outcome != planner::NbvOutcome::kView) break;
+    if (decision.outcome != "view") break;
     const planner::Candidate& view = decision.candidates[static_cast<size_t>(decision.best)];
     Vec2 there = decision.path_map.back();
     double yaw_rad = view.yaw_rad;
@@ -115,8 +121,6 @@ const Settings kOfBoth = {
     {"planner.name", {{}, "thesis"}},
     {"planner.window_m", {{}, "5"}},
     {"planner.max_range_m", {{}, "6"}},
-    {"planner.unvisited_m2", {{"planner.unvisited_beyond_m=0.5"}}},
-    {"planner.unvisited_beyond_m", {{"planner.unvisited_m2=5", "planner.unvisited_beyond_m=0.5"}, "1"}},
     {"planner.time_scale_s", {{"planner.traversal=continuous"}}},
     {"planner.rrt_star_iterations", {{"planner.nodes=15"}, "1000"}},
 };
@@ -146,12 +150,45 @@ TEST_F(ExplainedPlanner, OfTheThesisAct) {
   settings["planner.max_range_m"] = {{}, "2.5"};
   settings["planner.stop_utility"] = {{}, "1e6"};
   settings["planner.blocked_share"] = {{"planner.stop_utility=1e6"}, "0.5"};
-  settings["planner.commit_margin"] = {
-      {"planner.nodes=20", "planner.stop_utility=0", "planner.gain=unknown_volume"}, "10"};
   std::vector<std::string> context = kSmall;
   context.insert(context.begin(), "planner=thesis");
   probe_.SeeNothingElseAct(context);
-  EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 20);
+  EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 15);
+}
+
+TEST_F(ExplainedPlanner, OfExploreAct) {
+  Settings settings = kOfBoth;
+  settings["planner.rrt_step_m"] = {{"planner.lattice_m=5", "planner.window_m=3"}, "0.3"};
+  settings["planner.unvisited_m2"] = {{"planner.unvisited_beyond_m=0.5"}};
+  settings["planner.unvisited_beyond_m"] = {{"planner.unvisited_m2=5", "planner.unvisited_beyond_m=0.5"},
+                                            "1"};
+  settings["planner.blacklist_after"] = {{}, "1"};
+  settings["planner.blocked_share"] = {
+      {"planner.nodes=20", "planner.flat_rounds=2", "planner.flat_share=0.012"}, "1"};
+  settings["planner.commit_margin"] = {{"planner.commit_margin=10", "planner.behind_penalty=0.9"}, "0"};
+  settings["planner.flat_rounds"] = {{"planner.flat_share=0.012"}, "2"};
+  settings["planner.too_close_cost"] = {{}, "true"};
+  settings["planner.too_close_threshold_m"] = {{"planner.too_close_cost=true"}};
+  settings["planner.stop_ratio"] = {{"planner.flat_share=0.012"}, "1"};
+  settings["planner.stop_rounds"] = {{"planner.stop_ratio=1", "planner.flat_share=0.012"}, "2"};
+  settings["planner.flat_share"] = {{"planner.stop_ratio=1", "planner.stop_rounds=2"}, "0.05"};
+  std::vector<std::string> context = kSmall;
+  context.insert(context.begin(), "planner=explore");
+  EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 25);
+}
+
+TEST_F(ExplainedPlanner, OfTheSimplestAct) {
+  Settings settings = {{"planner.name", {{}, "greedy"}},
+                       {"planner.window_m", {{}, "5"}},
+                       {"planner.max_range_m", {{}, "6"}},
+                       {"planner.rrt_star_iterations", {{}, "1000"}},
+                       {"planner.frontier_m2", {{}, "2"}},
+                       {"planner.dropped_after", {{}, "3"}},
+                       {"planner.blocked_share", {{"planner.nodes=20", "planner.frontier_m2=100"}, "1"}}};
+  EXPECT_GT(probe_.SeeThemAct("planner", {"planner=random", "planner.rrt_star_iterations=100"}, settings), 3);
+  std::vector<std::string> context = kSmall;
+  context.insert(context.begin(), "planner=frontier");
+  EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 8);
 }
 
 TEST_F(ExplainedPlanner, OfTheRouteAct) {

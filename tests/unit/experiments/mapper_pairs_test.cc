@@ -16,8 +16,8 @@ class MapperPairsTest : public ::testing::Test {
            const std::string& resolution = "0.05") {
     RunSummary summary = RunOf("car", seed, coverage.back());
     summary.mapper = mapper;
-    summary.nbv_time_s_mean = nbv_s;
-    if (resolution == "0.1") summary.integration_ms_mean = mapper == "octomap" ? 200.0 : 50.0;
+    summary.numbers.Set("nbv_time_s_mean", nbv_s);
+    if (resolution == "0.1") summary.numbers.Set("integration_ms_mean", mapper == "octomap" ? 200.0 : 50.0);
     ReportedRun run = RunOfSummary(summary);
     run.settings["mapper.resolution_m"] = resolution;
     if (mapper == "octomap") run.settings["mapper.hit_probability"] = "0.7";  // of this mapper alone

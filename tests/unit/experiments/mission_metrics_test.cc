@@ -60,13 +60,14 @@ class MissionMetricsTest : public ::testing::Test {
     for (const size_t i : seen) cloud.Add(truth_.points[i], truth_.points[i] + truth_.normals[i]);
     return ScanThatBrings(cloud);
   }
-  tests::CsvRow ScanThatBrings(const mapping::ReturnCloud& cloud, const planner::NbvDecision& decision = {}) {
+  tests::CsvRow ScanThatBrings(const mapping::ReturnCloud& cloud, const planner::DecisionLog& log = {},
+                               const planner::Decision& decision = planner::GoScan{}) {
     metrics_->BeginScan();
     metrics_->ObserveSweep(core::Pose::Identity());
     metrics_->TakeCloud(cloud);
     metrics_->ScoreClouds(map_);
     metrics_->AdoptScore();
-    metrics_->FinishScan(decision);
+    metrics_->FinishScan(decision, log);
     return tests::ReadCsv(options_.folder / "steps.csv").back();
   }
   RunSummary Finish(RunStatus status, StopReason reason) {
@@ -96,8 +97,8 @@ TEST_F(MissionMetricsTest, AllThatIsAttainableIsOneHoweverMuchElseIsCovered) {
   EXPECT_EQ(Number(row, "coverage"), 1.0);
   EXPECT_EQ(Number(row, "coverage_of_attainable"), 1.0);
   const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
-  EXPECT_LT(summary.coverage_attainable.value(), 0.95) << "the top is out of reach";
-  EXPECT_GT(summary.coverage_attainable.value(), 0.5);
+  EXPECT_LT(summary.Number("coverage_attainable").value(), 0.95) << "the top is out of reach";
+  EXPECT_GT(summary.Number("coverage_attainable").value(), 0.5);
 }
 
 TEST_F(MissionMetricsTest, WhatLiesOutOfReachCountsForCoverageAndNotForItsShareOfTheAttainable) {
@@ -142,8 +143,8 @@ TEST_F(MissionMetricsTest, EveryCountOfSafetyReachesItsColumnAndTheSummary) {
   simulator_.counts.falls = 2;
   simulator_.counts.collisions = 7;  // after the last scan
   const RunSummary summary = Finish(RunStatus::kRobotFell, StopReason::kFell);
-  EXPECT_EQ(summary.falls, 2.0);
-  EXPECT_EQ(summary.collisions, 7.0);
+  EXPECT_EQ(summary.Number("falls"), 2.0);
+  EXPECT_EQ(summary.Number("collisions"), 7.0);
 }
 
 TEST_F(MissionMetricsTest, WhatNoPhysicsMeasuresStaysEmpty) {
@@ -156,8 +157,7 @@ TEST_F(MissionMetricsTest, WhatNoPhysicsMeasuresStaysEmpty) {
 }
 
 TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
-  planner::NbvDecision decision;
-  decision.outcome = planner::NbvOutcome::kView;
+  planner::DecisionLog decision;
   decision.candidates.resize(3);
   decision.candidates[1].gain = 11.5;
   decision.candidates[1].utility = 2.25;
@@ -172,7 +172,7 @@ TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   metrics_->ObserveMap(777, 1.0, 88);
   metrics_->ScoreClouds(map_);
   metrics_->AdoptScore();
-  metrics_->FinishScan(decision);
+  metrics_->FinishScan(planner::GoScan{}, decision);
   metrics_->ObserveWalk({.distance_m = 6.5}, 0.0);
   const tests::CsvRow row = tests::ReadCsv(options_.folder / "steps.csv").at(0);
   const std::map<std::string, double> expected = {{"scan", 1},
@@ -209,8 +209,8 @@ TEST_F(MissionMetricsTest, TheCloudsErrorIsMeanAndTailAndLeavesOutWhatStandsArou
   EXPECT_NEAR(Number(row, "cloud_error_m_mean"), 0.0025, 0.0005);
   EXPECT_NEAR(Number(row, "cloud_error_m_p95"), 0.02, 0.001);
   const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
-  EXPECT_NEAR(summary.cloud_error_m_mean.value(), 0.0025, 0.0005);
-  EXPECT_NEAR(summary.cloud_error_m_p95.value(), 0.02, 0.001);
+  EXPECT_NEAR(summary.Number("cloud_error_m_mean").value(), 0.0025, 0.0005);
+  EXPECT_NEAR(summary.Number("cloud_error_m_p95").value(), 0.02, 0.001);
 }
 
 TEST_F(MissionMetricsTest, ThePartsColumnsAreThoseOfTheirNames) {
@@ -223,8 +223,8 @@ TEST_F(MissionMetricsTest, ThePartsColumnsAreThoseOfTheirNames) {
   }
   ScanThatBrings(cloud);
   const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
-  const std::vector<double> shares = {summary.coverage_attainable.value(), summary.coverage.value(),
-                                      summary.coverage_outer.value(), summary.coverage_of_attainable.value()};
+  const std::vector<double> shares = {summary.Number("coverage_attainable").value(), summary.Number("coverage").value(),
+                                      summary.Number("coverage_outer").value(), summary.Number("coverage_of_attainable").value()};
   for (size_t a = 0; a < shares.size(); ++a) {
     for (size_t b = 0; b < a; ++b) EXPECT_GT(std::abs(shares[a] - shares[b]), 0.005) << a << " " << b;
   }
@@ -244,10 +244,10 @@ TEST_F(MissionMetricsTest, WhatCameAfterTheLastScoreCountsNowhere) {
   const tests::CsvRow row = ScanOf({truth_.points.size() / 2});
   metrics_->TakeCloud(all);
   const RunSummary summary = Finish(RunStatus::kRobotFell, StopReason::kFell);
-  EXPECT_LT(summary.coverage.value(), 0.1);
-  EXPECT_LT(summary.cloud_error_m_mean.value(), 0.001);
+  EXPECT_LT(summary.Number("coverage").value(), 0.1);
+  EXPECT_LT(summary.Number("cloud_error_m_mean").value(), 0.001);
   const tests::CsvRow part = tests::ReadCsv(options_.folder / "coverage_by_part.csv").at(0);
-  EXPECT_NEAR(Number(part, "coverage"), summary.coverage.value(), 1e-4);
+  EXPECT_NEAR(Number(part, "coverage"), summary.Number("coverage").value(), 1e-4);
   EXPECT_NEAR(Number(part, "coverage_outer"), Number(row, "coverage_outer"), 1e-4);
 }
 
@@ -259,23 +259,23 @@ TEST_F(MissionMetricsTest, AMissionWithoutAScanHasCoveredNothing) {
 }
 
 TEST_F(MissionMetricsTest, OfWaysTooNarrowThoseAreNamedThatAreWorthWalking) {
-  planner::NbvDecision decision;
+  planner::DecisionLog decision;
   decision.blocked.resize(3);
   decision.blocked[0].p_map = {1.25, -2.0};
   decision.blocked[0].worth_share = 0.9;
+  decision.blocked[0].promises = true;
   decision.blocked[1].p_map = {3.25, 4.0};
   decision.blocked[1].worth_share = 0.001;
   decision.blocked[2].p_map = {-5.25, 4.0};  // never judged
-  const auto end = [&](planner::NbvOutcome outcome) {
-    decision.outcome = outcome;
-    ScanThatBrings({}, decision);
+  const auto end = [&](planner::Done::Reason reason) {
+    ScanThatBrings({}, decision, planner::Done{reason});
     return Finish(RunStatus::kBudget, StopReason::kBlockedNarrow);
   };
-  const RunSummary other = end(planner::NbvOutcome::kGainExhausted);
-  EXPECT_EQ(other.blocked_ways, 3.0);
+  const RunSummary other = end(planner::Done::Reason::kGainExhausted);
+  EXPECT_EQ(other.Number("blocked_ways"), 3.0);
   EXPECT_EQ(other.blocked_at, "") << "that is not why it ended";
-  const RunSummary blocked = end(planner::NbvOutcome::kBlockedNarrow);
-  EXPECT_EQ(blocked.blocked_ways, 3.0);
+  const RunSummary blocked = end(planner::Done::Reason::kBlockedNarrow);
+  EXPECT_EQ(blocked.Number("blocked_ways"), 3.0);
   EXPECT_NE(blocked.blocked_at.find("1.2"), std::string::npos) << blocked.blocked_at;
   EXPECT_EQ(blocked.blocked_at.find(';'), std::string::npos) << blocked.blocked_at;
 }

@@ -5,6 +5,7 @@
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "experiments/judge/metric.h"
 #include "experiments/report/report.h"
 #include "experiments/results/run_recorder.h"
 #include "tests/support/run_summaries.h"
@@ -21,12 +22,13 @@ class ReportTest : public ::testing::Test {
   ~ReportTest() override { fs::remove_all(root_); }
 
   void WriteRun(const std::string& name, const RunSummary& summary) const {
-    RunRecorder recorder(root_ / name, summary);
+    RunRecorder recorder(root_ / name, summary, {StepColumns(), TimesColumns()});
     for (int scan = 1; scan <= 5; ++scan) {
-      StepRow step;
-      step.scan = scan;
-      step.sim_time_s = 40.0 * scan;
-      step.coverage = *summary.coverage * (1.0 - 1.0 / (1.0 + scan));
+      core::Row step;
+      for (const char* column : {"distance_m", "coverage_raw"}) step.Set(column, 0.0);
+      step.Set("scan", scan);
+      step.Set("sim_time_s", 40.0 * scan);
+      step.Set("coverage", *summary.Number("coverage") * (1.0 - 1.0 / (1.0 + scan)));
       recorder.AddStep(step, {});
     }
     core::WriteFileAtomically(root_ / name / "summary.json", ToJson(summary));

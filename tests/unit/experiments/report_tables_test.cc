@@ -81,7 +81,7 @@ TEST(Tables, ASingleFallAmongSeedsShows) {
   std::vector<RunSummary> runs = {RunOf("car", 1, 0.7), RunOf("car", 2, 0.3)};
   runs[1].status = RunStatus::kRobotFell;
   runs[1].stop_reason = StopReason::kFell;
-  runs[1].falls = 1;
+  runs[1].numbers.Set("falls", 1);
   const TextTable table = GroupTable(Grouped(runs));
   EXPECT_EQ(Cell(table, 0, "falls"), "1");
   EXPECT_EQ(Cell(table, 0, "status"), "1 completed (gain_exhausted), 1 robot_fell (fell)");
@@ -89,7 +89,7 @@ TEST(Tables, ASingleFallAmongSeedsShows) {
 
 TEST(Tables, FallsThatNothingMeasuredAreNotZero) {
   RunSummary run = RunOf("shed", 1, 0.7);
-  run.falls = run.collisions = std::nullopt;
+  for (const char* key : {"falls", "collisions"}) run.numbers.Set(key, std::optional<double>());
   const TextTable table = GroupTable(Grouped({run}));
   EXPECT_EQ(Cell(table, 0, "falls"), "-");
   EXPECT_EQ(Cell(table, 0, "collisions"), "-");
@@ -101,7 +101,7 @@ TEST(Tables, ColumnsOfWhatNoRunMeasuredAreLeftOut) {
     return std::count(table.heading.begin(), table.heading.end(), heading) > 0;
   };
   EXPECT_FALSE(has(GroupTable(Grouped({run})), "error mm"));
-  run.cloud_error_m_mean = 0.0123;
+  run.numbers.Set("cloud_error_m_mean", 0.0123);
   const TextTable table = GroupTable(Grouped({run, RunOf("barn", 1, 0.5)}));
   EXPECT_EQ(Cell(table, 0, "error mm"), "12.3");
   EXPECT_EQ(Cell(table, 1, "error mm"), "-");

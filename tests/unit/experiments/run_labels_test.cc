@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/planner_stand.h"
+
 namespace atlas::experiments {
 namespace {
 
@@ -38,16 +40,14 @@ TEST(RunLabels, OnlyFeetUnderPhysicsStandOnPerceivedGround) {
 }
 
 TEST(RunLabels, AModulatedGainSaysHowMuch) {
-  planner::NbvParams p;
-  p.name = "greedy";
-  p.gain = "occlusion_aware";
-  p.gain_share = 0.25;
-  EXPECT_EQ(WorthLabel(p), "surface_frontier x occlusion_aware (25 %)");
-  p.gain_share = 1.0;
-  EXPECT_EQ(WorthLabel(p), "");
-  p.name = "thesis";
-  p.gain_share = 0.25;
-  EXPECT_EQ(WorthLabel(p), "");
+  const auto worth = [](tests::PlannerSettings p) {
+    p.Set("gain", "occlusion_aware");
+    return p.Load().own->worth();
+  };
+  EXPECT_EQ(worth({.name = "greedy", .values = {{"gain_share", "0.25"}}}),
+            "surface_frontier x occlusion_aware (25 %)");
+  EXPECT_EQ(worth({.name = "greedy", .values = {{"gain_share", "1"}}}), "");
+  EXPECT_EQ(worth({.name = "thesis", .values = {}}), "");
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // What a run that bears the thesis's name is, and what it says of itself.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "core/errors.h"
 #include "experiments/identity/thesis_deviations.h"
+#include "planner/planners/thesis.h"
 
 namespace atlas::experiments {
 namespace {
@@ -33,17 +35,19 @@ TEST(ThesisRows, BringTheThesissMapUnlessOneIsNamed) {
 }
 
 TEST(ThesisRows, PlanAsTheThesisDoes) {
-  const planner::NbvParams p = LoadExperiment("car", {"planner=thesis"}).planner;
-  EXPECT_EQ(p.gain, "occlusion_aware");
-  EXPECT_EQ(p.nodes, 150);
-  EXPECT_EQ(p.window_m, 12.0);
-  EXPECT_EQ(p.traversal, "discrete");
-  EXPECT_EQ(p.visited_threshold_m, p.too_close_threshold_m) << "Eq. 3.7 has one";
-  EXPECT_EQ(p.commit_margin, 0.0);
-  EXPECT_EQ(p.blacklist_after, 0);
-  EXPECT_EQ(p.distrust_m, 0.0);
-  EXPECT_EQ(p.unvisited_m2, 0.0);
+  const ExperimentConfig config = LoadExperiment("car", {"planner=thesis"});
+  const auto& p = dynamic_cast<const planner::ThesisParams&>(*config.planner.own);
+  EXPECT_EQ(p.gain(), "occlusion_aware");
+  EXPECT_EQ(p.nbv.views.nodes, 150);
+  EXPECT_EQ(p.window_m(), 12.0);
+  EXPECT_EQ(config.planner.terrain.window_m, 12.0);
+  EXPECT_EQ(p.nbv.costs.traversal, "discrete");
+  EXPECT_EQ(p.nbv.costs.visited_threshold_m, p.nbv.costs.too_close_threshold_m) << "Eq. 3.7 has one";
   EXPECT_GT(p.stop_utility, 0.0);
+  for (const char* of_ours : {"commit_margin", "blacklist_after", "distrust_m", "unvisited_m2"}) {
+    EXPECT_THROW(LoadExperiment("car", {"planner=thesis", fmt::format("planner.{}=1", of_ours)}),
+                 core::InputError);
+  }
 }
 
 TEST(ThesisRows, NameEachChoiceThatDiffers) {
@@ -61,9 +65,7 @@ TEST(ThesisRows, NameEachChoiceThatDiffers) {
       {"mapper=se_atlas", "se_atlas (OctoMap)"},   {"mapper.resolution_m=0.1", "0.1 m (0.05)"},
       {"mapper.void_rays=clear", "void rays"},     {"mission.map_while_walking=true", "walk"},
       {"planner.nodes=75", "150 in 12 m"},         {"planner.too_close_threshold_m=1.1", "d_thres"},
-      {"planner.visited_cost=false", "d_thres"},   {"planner.traversal=continuous", "traversal"},
-      {"planner.commit_margin=0.1", "commitment"}, {"planner.blacklist_after=2", "blacklist"},
-      {"planner.distrust_m=6", "distrust"},        {"planner.unvisited_m2=1", "unvisited"}};
+      {"planner.visited_cost=false", "d_thres"},   {"planner.traversal=continuous", "traversal"}};
   for (const auto& [assignment, word] : changes) {
     const auto deviations = DeviationsFromThesis(LoadExperiment("car", {"planner=thesis", assignment}));
     EXPECT_GT(deviations.size(), faithful.size()) << assignment;

@@ -21,6 +21,7 @@ const core::Box3 kRoomRegion = RegionOf(MapperParams{}, {Vec3(-2.3, -2.3, -0.2),
 tests::PlacedSpins RollingSweep(int spins) {
   const core::LidarModel lidar = core::FindLidarModel("vlp16");
   tests::PlacedSpins sweep;
+  sweep.T_map_odom = core::PoseFromXyzYaw(Vec3(0.7, -0.4, 0.3), 0.6);
   core::Rng rng(3);
   const double period = 1.0 / lidar.spin_rate_hz, total = spins * period;
   const auto pose_at = [&](double t) {
@@ -36,13 +37,13 @@ tests::PlacedSpins RollingSweep(int spins) {
     scan.min_range_m = static_cast<float>(lidar.min_range_m);
     scan.max_range_m = static_cast<float>(lidar.max_range_m);
     for (double t = 0.0; t <= period + 1e-4; t += 0.005) {
-      event.T_odom_lidar.Add(scan.stamp_s + t, pose_at(scan.stamp_s + t));
+      event.T_odom_lidar.Add(scan.stamp_s + t, sweep.T_map_odom.inverse() * pose_at(scan.stamp_s + t));
     }
     for (int row = 0; row < scan.rows; ++row) {
       for (int column = 0; column < scan.columns; ++column) {
         const double time = period * column / scan.columns;
         const Vec3 direction = lidar.Direction(row, column);
-        const core::Pose T = event.T_odom_lidar.At(scan.stamp_s + time);
+        const core::Pose T = sweep.T_map_odom * event.T_odom_lidar.At(scan.stamp_s + time);
         const double range = kRoom.Clip(T.translation(), T.linear() * direction)->second;
         scan.direction_lidar.push_back(direction.cast<float>());
         scan.time_s.push_back(static_cast<float>(time));

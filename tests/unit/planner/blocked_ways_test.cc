@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/flat_ground.h"
+#include "tests/support/moved_keyframes.h"
 
 namespace atlas::planner {
 namespace {
@@ -24,11 +25,11 @@ std::vector<BlockedWay> BlockedIn(const mapping::TraversableGround& ground) {
 }
 
 /// What a planner knows after one plan there.
-BlockedWays KnownAfterAPlanIn(const TraversableGround& ground) {
+BlockedWays KnownAfterAPlanIn(const mapping::TraversableGround& ground) {
   const Walkable walkable(ground, Vec2(0.0, 0.0));
   const CandidateTree tree = LatticeCandidates(walkable, 0.5);
   BlockedWays ways;
-  ways.Learn(walkable, tree, FindBlockedWays(walkable, tree, Footprint{}));
+  ways.Learn(walkable, tree, FindBlockedWays(walkable, tree, Footprint{}), tests::MovedKeyframes());
   return ways;
 }
 
@@ -79,11 +80,15 @@ TEST(BlockedWays, AreWorthTheBestViewBeyondThemOnceJudged) {
   ASSERT_EQ(ways.ways().size(), 1u);
   EXPECT_FALSE(ways.ways()[0].worth_share.has_value());
   std::vector<double> shares(ways.PlacesBeyond().size(), 0.0);
-  ways.SetWorth(shares);
+  ways.SetWorth(shares, 0.5);
   EXPECT_EQ(ways.ways()[0].worth_share, 0.0);
+  EXPECT_FALSE(ways.ways()[0].promises);
   shares.back() = 0.3;
-  ways.SetWorth(shares);
+  ways.SetWorth(shares, 0.5);
   EXPECT_EQ(ways.ways()[0].worth_share, 0.3);
+  EXPECT_FALSE(ways.ways()[0].promises);
+  ways.SetWorth(shares, 0.3);
+  EXPECT_TRUE(ways.ways()[0].promises);
 }
 
 TEST(BlockedWays, AreKeptBeyondTheWindowAndForgottenWhereTheFarSideIsReached) {
@@ -93,11 +98,11 @@ TEST(BlockedWays, AreKeptBeyondTheWindowAndForgottenWhereTheFarSideIsReached) {
   const Vec2 elsewhere(0.0, -20.0);
   const tests::FlatGround far(12.0, elsewhere);
   const Walkable there(far, elsewhere);
-  ways.Learn(there, LatticeCandidates(there, 0.5), {});
+  ways.Learn(there, LatticeCandidates(there, 0.5), {}, tests::MovedKeyframes());
   EXPECT_EQ(ways.ways().size(), 1u) << "out of sight";
   CandidateTree beyond;
   for (const core::Vec3& p : ways.PlacesBeyond()) beyond.nodes.push_back({.p_map = p.head<2>()});
-  ways.Learn(there, beyond, {});
+  ways.Learn(there, beyond, {}, tests::MovedKeyframes());
   EXPECT_TRUE(ways.ways().empty()) << "another way led there";
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/flat_ground.h"
+#include "tests/support/moved_keyframes.h"
 
 namespace atlas::planner {
 namespace {
@@ -29,13 +30,14 @@ class Wedge : public tests::FlatGround {
   double direction_rad_;
 };
 
+const tests::MovedKeyframes kStill;
 const std::vector<Vec2> kWay = {Vec2(0, 0), Vec2(2, 0), Vec2(2, 1), Vec2(3, 1)};
 
 TEST(Recovery, TheRobotGoesBackTheWayItCameAndLooksAlongIt) {
   Recovery recovery;
-  recovery.SetOut(kWay);
+  recovery.SetOut(kWay, kStill);
   const Vec2 here(3.1, 1.2);  // not quite where the way ended
-  const auto back = recovery.Next(At(here, 0.3), tests::FlatGround());
+  const auto back = recovery.Next(At(here, 0.3), tests::FlatGround(), kStill);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->path_map, (std::vector<Vec2>{here, Vec2(2, 1), Vec2(2, 0), Vec2(0, 0)}));
   EXPECT_NEAR(back->yaw_rad, core::kPi, 1e-12) << "from (2, 0) to (0, 0)";
@@ -44,9 +46,9 @@ TEST(Recovery, TheRobotGoesBackTheWayItCameAndLooksAlongIt) {
 TEST(Recovery, OnlyOnItsWayIsThereAWayBack) {
   for (const double off_m : {0.49, 0.51}) {
     Recovery recovery;
-    recovery.SetOut(kWay);
+    recovery.SetOut(kWay, kStill);
     const Vec2 here(3.0, 1.0 + off_m);
-    const auto move = recovery.Next(At(here, 0.0), tests::FlatGround());
+    const auto move = recovery.Next(At(here, 0.0), tests::FlatGround(), kStill);
     ASSERT_TRUE(move);
     EXPECT_EQ(move->path_map.size(), off_m < 0.5 ? 4u : 1u) << off_m;
   }
@@ -54,25 +56,26 @@ TEST(Recovery, OnlyOnItsWayIsThereAWayBack) {
 
 TEST(Recovery, BackThenATurnThenAStepThenNothing) {
   Recovery recovery;
-  recovery.SetOut(kWay);
+  recovery.SetOut(kWay, kStill);
   const tests::FlatGround free;
   const Vec2 start = kWay.front();
-  EXPECT_EQ(recovery.Next(At(kWay.back(), 0.0), free)->path_map.back(), start);
-  const auto turn = recovery.Next(At(start, 2.0), free);
+  EXPECT_EQ(recovery.Next(At(kWay.back(), 0.0), free, kStill)->path_map.back(), start);
+  const auto turn = recovery.Next(At(start, 2.0), free, kStill);
   ASSERT_TRUE(turn);
   EXPECT_EQ(turn->path_map, std::vector<Vec2>{start});
   EXPECT_NEAR(turn->yaw_rad, 2.0 + 0.5 * core::kPi - 2.0 * core::kPi, 1e-12);
-  const auto step = recovery.Next(At(start, 1.0), free);
+  const auto step = recovery.Next(At(start, 1.0), free, kStill);
   ASSERT_TRUE(step);
   ASSERT_EQ(step->path_map.size(), 2u);
   EXPECT_EQ(step->path_map.front(), start);
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(recovery.Next(At(start, 1.0), free)) << "all was tried";
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(recovery.Next(At(start, 1.0), free, kStill)) << "all was tried";
 
-  recovery.SetOut({start, Vec2(1, 0)});
-  EXPECT_EQ(recovery.Next(At(Vec2(1, 0), 0.0), free)->path_map.size(), 2u) << "and again after setting out";
-  EXPECT_EQ(recovery.Next(At(start, 0.0), free)->path_map.size(), 1u);
-  EXPECT_EQ(recovery.Next(At(start, 0.0), free)->path_map.size(), 2u);
-  EXPECT_FALSE(recovery.Next(At(start, 0.0), free));
+  recovery.SetOut({start, Vec2(1, 0)}, kStill);
+  EXPECT_EQ(recovery.Next(At(Vec2(1, 0), 0.0), free, kStill)->path_map.size(), 2u)
+      << "and again after setting out";
+  EXPECT_EQ(recovery.Next(At(start, 0.0), free, kStill)->path_map.size(), 1u);
+  EXPECT_EQ(recovery.Next(At(start, 0.0), free, kStill)->path_map.size(), 2u);
+  EXPECT_FALSE(recovery.Next(At(start, 0.0), free, kStill));
 }
 
 TEST(Recovery, TheStepGoesWhereMostGroundIsFree) {
@@ -82,8 +85,8 @@ TEST(Recovery, TheStepGoesWhereMostGroundIsFree) {
       const Vec2 here(0.7, -0.4);
       const Wedge ground(here, direction);
       Recovery recovery;
-      ASSERT_EQ(recovery.Next(At(here, yaw), ground)->path_map.size(), 1u) << "a turn first";
-      const auto step = recovery.Next(At(here, yaw), ground);
+      ASSERT_EQ(recovery.Next(At(here, yaw), ground, kStill)->path_map.size(), 1u) << "a turn first";
+      const auto step = recovery.Next(At(here, yaw), ground, kStill);
       ASSERT_TRUE(step);
       const Vec2 there = here + 0.3 * Vec2(std::cos(direction), std::sin(direction));
       EXPECT_LT((step->path_map.back() - there).norm(), 1e-9) << yaw << " " << off_deg;
@@ -96,8 +99,8 @@ TEST(Recovery, WhereNothingIsFreeThereIsNoStep) {
   tests::FlatGround nothing;
   nothing.AddObstacle(Vec2(-9, -9), Vec2(9, 9));
   Recovery recovery;
-  EXPECT_TRUE(recovery.Next(At(Vec2::Zero(), 0.0), nothing)) << "a turn needs no ground";
-  EXPECT_FALSE(recovery.Next(At(Vec2::Zero(), 0.0), nothing));
+  EXPECT_TRUE(recovery.Next(At(Vec2::Zero(), 0.0), nothing, kStill)) << "a turn needs no ground";
+  EXPECT_FALSE(recovery.Next(At(Vec2::Zero(), 0.0), nothing, kStill));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/rng.h"
+#include "tests/support/moved_keyframes.h"
 
 namespace atlas::planner {
 namespace {
@@ -40,7 +41,7 @@ TEST(Roadmap, ExtendsATreeByTheShortestKnownWays) {
   const std::vector<CandidateTree> trees = {RandomTree({0, 0}, 9, &rng), RandomTree({3, 1}, 9, &rng),
                                             RandomTree({6, 2}, 9, &rng)};
   Roadmap roadmap;
-  for (const CandidateTree& tree : trees) roadmap.Learn(tree);
+  for (const CandidateTree& tree : trees) roadmap.Learn(tree, tests::MovedKeyframes());
   CandidateTree extended = trees[2];
   roadmap.Extend(&extended);
 
@@ -92,7 +93,7 @@ TEST(Roadmap, RemembersWhichStepsArePassages) {
   there.nodes = {
       {Vec2(0, 0), -1, 0.0, 0.0}, {Vec2(0.37, 0.21), 0, 0.4, 0.0}, {Vec2(0.37, 1.71), 1, 1.9, 0.0, true}};
   Roadmap roadmap;
-  roadmap.Learn(there);
+  roadmap.Learn(there, tests::MovedKeyframes());
   EXPECT_EQ(roadmap.size(), 3u) << "places beside the lattice are places of their own";
   for (const Vec2& start : {Vec2(0, 0), Vec2(0.37, 1.71)}) {
     CandidateTree here;
@@ -111,12 +112,53 @@ TEST(Roadmap, LeavesOutWhatNoKnownStepJoins) {
   core::Rng rng(5);
   const CandidateTree here = RandomTree({0, 0}, 5, &rng), apart = RandomTree({50, 0}, 5, &rng);
   Roadmap roadmap;
-  roadmap.Learn(here);
-  roadmap.Learn(apart);
+  roadmap.Learn(here, tests::MovedKeyframes());
+  roadmap.Learn(apart, tests::MovedKeyframes());
   CandidateTree extended = here;
   roadmap.Extend(&extended);
   EXPECT_EQ(extended.nodes.size(), here.nodes.size());
   EXPECT_EQ(roadmap.size(), here.nodes.size() + apart.nodes.size());
+}
+
+/// The same places and lengths as without a correction, moved as a whole.
+TEST(Roadmap, MovesWithTheKeyframesThatItsPlacesWereFoundFrom) {
+  CandidateTree row;
+  for (int i = 0; i < 8; ++i) row.nodes.push_back({Vec2(0.5 * i, 1.0), i - 1, 0.5 * i, 0.25, i == 3});
+  Roadmap roadmap;
+  roadmap.Learn(row, tests::MovedKeyframes({core::PoseFromXyzYaw({4.0, 2.0, 0.5}, 0.7)}));
+  const core::Pose moved = core::PoseFromXyzYaw({4.3, 1.2, 0.9}, 1.0),
+                   T = moved * core::PoseFromXyzYaw({4.0, 2.0, 0.5}, 0.7).inverse();
+  roadmap.Correct(tests::MovedKeyframes({moved}, 1));
+  const auto at = [&](int i) -> core::Vec3 { return T * core::Vec3(0.5 * i, 1.0, 0.25); };
+  CandidateTree tree;
+  tree.nodes.push_back({at(0).head<2>(), -1, 0.0, at(0).z(), false});
+  roadmap.Extend(&tree);
+  ASSERT_EQ(tree.nodes.size(), 8u);
+  for (int i = 0; i < 8; ++i) {
+    const CandidateNode& node = tree.nodes[static_cast<size_t>(i)];
+    EXPECT_LT((node.p_map - at(i).head<2>()).norm(), 1e-9);
+    EXPECT_NEAR(node.ground_m, at(i).z(), 1e-9);
+    EXPECT_NEAR(node.path_length_m, 0.5 * i, 1e-9);
+    EXPECT_EQ(node.narrow, i == 3);
+  }
+}
+
+/// After a correction, places of the lattice fall between those that are known.
+TEST(Roadmap, JoinsNewPlacesToThoseThatACorrectionMovedOffTheLattice) {
+  CandidateTree behind, ahead;
+  for (int i = 0; i < 4; ++i) behind.nodes.push_back({Vec2(0.5 * i, 0.0), i - 1, 0.5 * i, 0.0, false});
+  for (int i = 0; i < 3; ++i) ahead.nodes.push_back({Vec2(1.5 + 0.5 * i, 0.0), i - 1, 0.5 * i, 0.0, false});
+  for (const bool corrected : {false, true}) {
+    Roadmap roadmap;
+    roadmap.Learn(behind, tests::MovedKeyframes());
+    const core::Pose shift = core::PoseFromXyzYaw({0.12, -0.1, 0.0}, 0.0);
+    const tests::MovedKeyframes now({corrected ? shift : core::Pose::Identity()}, corrected ? 1 : 0);
+    roadmap.Learn(ahead, now);
+    CandidateTree tree = ahead;
+    roadmap.Extend(&tree);
+    ASSERT_EQ(tree.nodes.size(), corrected ? 7u : 6u);
+    EXPECT_NEAR(tree.nodes.back().p_map.x(), corrected ? 0.12 : 0.0, 1e-9);
+  }
 }
 
 }  // namespace

@@ -4,10 +4,13 @@
 #include "planner/stopping/view_memory.h"
 #include "planner/travel/costs.h"
 #include "tests/support/flat_ground.h"
+#include "tests/support/moved_keyframes.h"
 #include "tests/support/voxel_world.h"
 
 namespace atlas::planner {
 namespace {
+
+const tests::MovedKeyframes kStill;
 
 using core::Vec2;
 using core::Vec3;
@@ -91,7 +94,7 @@ TEST(Termination, TheThesissThresholdEndsWithTheFirstPlanBelowIt) {
 }
 
 TEST(Termination, StopsOnlyWhereRoundsAreLowOnAverageOnAFlatCurve) {
-  Termination low({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
+  Termination low({.stop_ratio = 0.05, .stop_rounds = 2, .flat_share = 0.01, .flat_rounds = 100});
   for (const double utility : {100.0, 3.0, 20.0, 3.0}) {
     low.Observe(utility, 0.0);
     EXPECT_FALSE(low.GainExhausted());
@@ -106,7 +109,7 @@ TEST(Termination, StopsOnlyWhereRoundsAreLowOnAverageOnAFlatCurve) {
 
 TEST(Termination, DoesNotDependOnTheGainsScale) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
-    Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
+    Termination t({.stop_ratio = 0.05, .stop_rounds = 2, .flat_share = 0.01, .flat_rounds = 100});
     for (const double u : {50.0, 30.0, 2.0}) t.Observe(scale * u, 0.002);
     EXPECT_FALSE(t.GainExhausted());
     t.Observe(scale * 1.0, 0.002);
@@ -115,7 +118,7 @@ TEST(Termination, DoesNotDependOnTheGainsScale) {
 }
 
 TEST(Termination, MeasuresByTheGreatestUtilityNotByAPoorFirstView) {
-  Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 100});
+  Termination t({.stop_ratio = 0.05, .stop_rounds = 2, .flat_share = 0.01, .flat_rounds = 100});
   for (const double u : {5.0, 100.0, 3.0}) t.Observe(u, 0.0);
   EXPECT_NEAR(t.ratio(), 0.03, 1e-12);
   EXPECT_FALSE(t.GainExhausted());
@@ -124,7 +127,7 @@ TEST(Termination, MeasuresByTheGreatestUtilityNotByAPoorFirstView) {
 }
 
 TEST(Termination, TheSurfaceMustBeFlatOverTheLowRoundsOnAverage) {
-  Termination t({.stop_ratio = 0.05, .flat_share = 0.015, .stop_rounds = 2, .flat_rounds = 100});
+  Termination t({.stop_ratio = 0.05, .stop_rounds = 2, .flat_share = 0.015, .flat_rounds = 100});
   t.Observe(100.0, 1.0);
   t.Observe(1.0, 0.028);
   t.Observe(1.0, 0.014);
@@ -134,7 +137,7 @@ TEST(Termination, TheSurfaceMustBeFlatOverTheLowRoundsOnAverage) {
 }
 
 TEST(Termination, AGainThatNeverFallsIsOverruledByFlatSweeps) {
-  Termination t({.stop_ratio = 0.05, .flat_share = 0.01, .stop_rounds = 2, .flat_rounds = 4});
+  Termination t({.stop_ratio = 0.05, .stop_rounds = 2, .flat_share = 0.01, .flat_rounds = 4});
   t.Observe(100.0, 1.0);
   for (int i = 0; i < 3; ++i) t.Observe(120.0, 0.002);
   EXPECT_FALSE(t.SurfaceFlat());
@@ -152,24 +155,24 @@ core::Pose Standing(double x) {
 
 TEST(ViewMemory, APromiseThatBringsNothingCountsAsBrokenWhereItWasMade) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000);
-  memory.Commit({Vec2(3.0, 0.0), 0.0});
-  memory.RecordSweep(Standing(3.1), 2);
+  memory.RecordSweep(Standing(0.0), 10000, kStill);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kStill);
+  memory.RecordSweep(Standing(3.1), 2, kStill);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(4.5, 0.0)), 0);
   EXPECT_FALSE(memory.commitment().has_value());
-  memory.Commit({Vec2(3.0, 0.0), 0.0});
-  memory.RecordSweep(Standing(3.0), 5000);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kStill);
+  memory.RecordSweep(Standing(3.0), 5000, kStill);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1) << "kept";
 }
 
 TEST(ViewMemory, TrustGrowsWithTheDistanceToBrokenPromises) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000);
+  memory.RecordSweep(Standing(0.0), 10000, kStill);
   EXPECT_EQ(memory.TrustAt(Vec2(1.0, 2.0), 6.0), 1.0) << "nothing was broken yet";
   for (const double x : {3.0, 9.0}) {
-    memory.Commit({Vec2(x, 0.0), 0.0});
-    memory.RecordSweep(Standing(x), 2);
+    memory.Commit({Vec2(x, 0.0), 0.0}, kStill);
+    memory.RecordSweep(Standing(x), 2, kStill);
   }
   EXPECT_EQ(memory.TrustAt(Vec2(3.0, 0.0), 6.0), 0.0);
   // 6 m from one and, by the right angle, the root of 72 m from the other.
@@ -179,11 +182,31 @@ TEST(ViewMemory, TrustGrowsWithTheDistanceToBrokenPromises) {
 
 TEST(ViewMemory, ACommitmentStaysUntilASweepIsTakenThere) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000);
-  memory.Commit({Vec2(3.0, 0.0), 0.0});
-  memory.RecordSweep(Standing(1.5), 3);
+  memory.RecordSweep(Standing(0.0), 10000, kStill);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kStill);
+  memory.RecordSweep(Standing(1.5), 3, kStill);
   EXPECT_TRUE(memory.commitment().has_value());
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(1.5, 0.0)), 0) << "nothing was promised here";
+}
+
+/// Told in a map that is then turned and shifted: the same answers about the same things.
+TEST(ViewMemory, MovesWithTheKeyframes) {
+  const core::Pose before = core::PoseFromXyzYaw(Vec3(1.0, -2.0, 0.3), 0.4),
+                   after = core::PoseFromXyzYaw(Vec3(1.6, -1.5, 0.2), 0.9), T = after * before.inverse();
+  const tests::MovedKeyframes then({before}), now({after}, 1);
+  ViewMemory memory;
+  memory.RecordSweep(Standing(0.0), 10000, then);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, then);
+  memory.RecordSweep(Standing(3.0), 2, then);
+  memory.Commit({Vec2(5.0, 1.0), 0.25}, then);
+  memory.Correct(now);
+  const auto moved = [&](const Vec2& p) { return Vec2((T * Vec3(p.x(), p.y(), 0.44)).head<2>()); };
+  ASSERT_EQ(memory.visited().size(), 2u);
+  EXPECT_LT((memory.visited()[0] - moved(Vec2(0.0, 0.0))).norm(), 1e-9);
+  EXPECT_LT((memory.visited()[1] - moved(Vec2(3.0, 0.0))).norm(), 1e-9);
+  EXPECT_EQ(memory.BrokenPromisesNear(moved(Vec2(3.0, 0.0))), 1);
+  EXPECT_LT((memory.commitment()->p_map - moved(Vec2(5.0, 1.0))).norm(), 1e-9);
+  EXPECT_NEAR(memory.commitment()->yaw_rad, 0.25 + 0.5, 1e-9);
 }
 
 }  // namespace
