@@ -164,10 +164,10 @@ void RunPool::Report(const Active& active, const ChildExit& end) {
   const bool as_it_says = left && !end.by_signal && active.asked == 0 && end.code == ExitCodeOf(left->status);
   if (!as_it_says) MarkFailed(active.run->folder);
   if (const auto summary = FinishedRun(*active.run, options_)) {
+    const auto number = [&](const char* key) { return summary->Number(key).value_or(0.0); };
     out_ << fmt::format("{} {:<10} c_p {:6.2f} %  {:5.1f} m  {:2.0f} scans  {}\n", head,
-                        NameOf(summary->status), 100.0 * summary->coverage.value_or(0.0),
-                        summary->travel_distance_m.value_or(0.0), summary->scans.value_or(0.0),
-                        MinutesSeconds(SecondsSince(active.begin)));
+                        NameOf(summary->status), 100.0 * number("coverage"), number("travel_distance_m"),
+                        number("scans"), MinutesSeconds(SecondsSince(active.begin)));
   } else {
     const std::string how = active.asked > 0 ? fmt::format("no end within {:g} s", limit_s_)
                                              : fmt::format("{} {}", end.by_signal ? "signal" : "exit code",

@@ -130,9 +130,8 @@ RunTimeEstimate::RunTimeEstimate(const SweepSpec& spec, const std::vector<SweepR
     : default_s_(spec.estimate_s) {
   for (const SweepRun& run : runs) {
     const auto summary = StandingOf(run).summary;
-    if (summary && summary->wall_time_s) {
-      walls_.push_back({run.experiment, run.folder.parent_path(), *summary->wall_time_s});
-    }
+    const auto wall_s = summary ? summary->Number("wall_time_s") : std::nullopt;
+    if (wall_s) walls_.push_back({run.experiment, run.folder.parent_path(), *wall_s});
   }
 }
 

@@ -3,14 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
-#include "core/files.h"
 #include "experiments/identity/experiment_config.h"
-#include "experiments/judge/attainable_cache.h"
 #include "experiments/judge/sweep_aim.h"
+#include "tests/support/box_world.h"
 
 namespace atlas::experiments {
 namespace {
@@ -19,106 +16,10 @@ using core::Box3;
 using core::Pose;
 using core::Vec3;
 using core::Vec3f;
-
-core::TriMesh BoxMesh(const Box3& box) {
-  core::TriMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices.push_back(Vec3((i & 1 ? box.max : box.min).x(), (i & 2 ? box.max : box.min).y(),
-                                 (i & 4 ? box.max : box.min).z())
-                                .cast<float>());
-  }
-  for (const auto& [a, b, c, d] : std::vector<std::array<uint32_t, 4>>{
-           {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({a, c, d});
-  }
-  return mesh;
-}
-
-/// A world of boxes: its meshes, and an exact ray caster that knows nothing of triangles.
-struct BoxWorld {
-  scenes::SceneSpec scene;
-  std::vector<Box3> boxes;
-
-  void Add(const Vec3& min, const Vec3& max, bool is_object = false) {
-    boxes.push_back({min, max});
-    scenes::ScenePart part;
-    part.name = is_object ? "object" : "other";
-    part.mesh = BoxMesh(boxes.back());
-    part.is_object = is_object;
-    scene.parts.push_back(part);
-    scene.bounds.Extend(min);
-    scene.bounds.Extend(max);
-    if (is_object) scene.object_box = boxes.back().Inflated(0.2);
-  }
-
-  float RangeOf(const core::Ray& ray, float max_range_m) const {
-    float nearest = -1.0f;
-    for (const Box3& box : boxes) {
-      double enter = -1e30, leave = 1e30;
-      for (int a = 0; a < 3; ++a) {
-        const double inverse = 1.0 / ray.direction[a];
-        const double t0 = (box.min[a] - ray.origin[a]) * inverse, t1 = (box.max[a] - ray.origin[a]) * inverse;
-        enter = std::max(enter, std::min(t0, t1));
-        leave = std::min(leave, std::max(t0, t1));
-      }
-      if (enter > leave || enter <= 0.0 || enter > max_range_m) continue;
-      if (nearest < 0.0f || enter < nearest) nearest = static_cast<float>(enter);
-    }
-    return nearest;
-  }
-  CastRays Caster() const {
-    return [this](std::span<const core::Ray> rays, float max_range_m, uint64_t, std::span<float> range_m) {
-      for (size_t i = 0; i < rays.size(); ++i) range_m[i] = RangeOf(rays[i], max_range_m);
-    };
-  }
-  /// Truth of the one object box; parts are its faces: -x +x -y +y -z +z.
-  scenes::GroundTruth Truth(double spacing) const {
-    scenes::GroundTruth truth;
-    truth.part_names = {"-x", "+x", "-y", "+y", "-z", "+z"};
-    for (size_t k = 0; k < boxes.size(); ++k) {
-      if (!scene.parts[k].is_object) continue;
-      for (int face = 0; face < 6; ++face) {
-        const int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const Vec3 size = boxes[k].Size();
-        for (double a = 0.5 * spacing; a < size[u]; a += spacing) {
-          for (double b = 0.5 * spacing; b < size[v]; b += spacing) {
-            Vec3 p = boxes[k].min;
-            p[axis] = face % 2 == 0 ? boxes[k].min[axis] : boxes[k].max[axis];
-            p[u] += a;
-            p[v] += b;
-            truth.points.push_back(p.cast<float>());
-            truth.normals.push_back(((face % 2 == 0 ? -1.0 : 1.0) * Vec3::Unit(axis)).cast<float>());
-            truth.part.push_back(static_cast<uint16_t>(face));
-          }
-        }
-      }
-    }
-    return truth;
-  }
-};
-
-robots::RobotSpec TestRobot() {
-  robots::RobotSpec robot;
-  robot.T_base_lidar = core::MakePose(core::Mat3::Identity(), Vec3(0.1, 0.0, 0.3));
-  return robot;
-}
-
-core::LidarModel TestLidar() {
-  core::LidarModel lidar = core::FindLidarModel("vlp16");
-  lidar.columns = 360;
-  return lidar;
-}
-
-/// Ground of 6 x 6 m with a box to be mapped and a wall that hides one side of it.
-BoxWorld SmallWorld() {
-  BoxWorld world;
-  world.Add({-3, -3, -0.5}, {3, 3, 0});
-  world.Add({-0.3, -0.5, 0}, {0.5, 0.5, 1.6}, true);
-  world.Add({0.9, -0.6, 0}, {1.0, 0.9, 2.0});
-  world.scene.T_map_spawn = core::PoseFromXyzYaw({-2.0, 0.0, 0.0}, 0.0);
-  return world;
-}
+using tests::BoxWorld;
+using tests::SmallWorld;
+using tests::TestLidar;
+using tests::TestRobot;
 
 TEST(ReachableSet, OpenFloorAroundABlockHasItsClosedFormArea) {
   BoxWorld world;
@@ -370,90 +271,6 @@ TEST(Attainable, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.rays, three.rays);
 }
 
-class AttainableCacheTest : public ::testing::Test {
- protected:
-  AttainableCacheTest()
-      : folder_(
-            std::filesystem::temp_directory_path() /
-            ("atlas_cache_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    std::filesystem::remove_all(folder_);
-    options_.lattice_m = 1.0;
-  }
-  ~AttainableCacheTest() override { std::filesystem::remove_all(folder_); }
-
-  Attainable Load() const {
-    return LoadOrComputeAttainable(world_.scene, truth_, TestRobot(), TestLidar(), options_, folder_,
-                                   nullptr);
-  }
-  std::filesystem::path OnlyFile() const { return std::filesystem::directory_iterator(folder_)->path(); }
-
-  BoxWorld world_ = SmallWorld();
-  scenes::GroundTruth truth_ = world_.Truth(0.03);
-  AttainableOptions options_;
-  std::filesystem::path folder_;
-};
-
-TEST_F(AttainableCacheTest, ASecondLoadReadsTheSameSet) {
-  const Attainable first = Load(), second = Load();
-  EXPECT_FALSE(first.from_cache);
-  EXPECT_TRUE(second.from_cache);
-  EXPECT_EQ(first.attainable, second.attainable);
-  EXPECT_EQ(first.coverage, second.coverage);
-  EXPECT_EQ(first.positions, second.positions);
-}
-
-TEST_F(AttainableCacheTest, DamagedAndTruncatedFilesAreComputedAnew) {
-  const Attainable first = Load();
-  std::string content = core::ReadFile(OnlyFile());
-  for (const size_t at : {size_t{3}, content.size() / 2, content.size() - 1}) {
-    std::string damaged = content;
-    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
-    core::WriteFileAtomically(OnlyFile(), damaged);
-    const Attainable again = Load();
-    EXPECT_FALSE(again.from_cache) << "byte " << at;
-    EXPECT_EQ(again.attainable, first.attainable);
-  }
-  core::WriteFileAtomically(OnlyFile(), content.substr(0, content.size() - 5));
-  EXPECT_FALSE(Load().from_cache);
-  EXPECT_TRUE(Load().from_cache);
-}
-
-TEST_F(AttainableCacheTest, WhateverTheResultDependsOnChangesTheKey) {
-  const auto key = [&] { return AttainableKey(world_.scene, truth_, TestRobot(), TestLidar(), options_); };
-  const uint64_t original = key();
-  options_.threads = 7;
-  EXPECT_EQ(key(), original);
-  options_.radius_m = 0.086;
-  EXPECT_NE(key(), original);
-  options_.radius_m = kObjectCoverageRadiusM;
-  options_.sweep_roll_deg = 0.0;
-  EXPECT_NE(key(), original);
-  options_.sweep_roll_deg = 40.0;
-  EXPECT_EQ(key(), original);
-  for (double* option : {&options_.max_range_m, &options_.sweep_period_s, &options_.lattice_m,
-                         &options_.target_spacing_m, &options_.min_rays, &options_.reach.cell_m}) {
-    const double usual = std::exchange(*option, 1.5 * *option);
-    EXPECT_NE(key(), original) << usual;
-    *option = usual;
-  }
-  options_.headings = 4;
-  EXPECT_NE(key(), original);
-  options_.headings = 8;
-  robots::RobotSpec mounted = TestRobot();
-  mounted.T_base_lidar.translation().z() += 0.01;
-  EXPECT_NE(AttainableKey(world_.scene, truth_, mounted, TestLidar(), options_), original);
-  core::LidarModel far = TestLidar();
-  far.max_range_m += 1.0;
-  EXPECT_NE(AttainableKey(world_.scene, truth_, TestRobot(), far, options_), original);
-  robots::RobotSpec narrow = TestRobot();
-  narrow.half_width_m -= 0.05;
-  EXPECT_NE(AttainableKey(world_.scene, truth_, narrow, TestLidar(), options_), original);
-  truth_.two_sided.assign(truth_.points.size(), 1);
-  EXPECT_NE(key(), original);
-  world_.scene.parts[2].mesh.vertices[0].x() += 0.001f;
-  EXPECT_NE(key(), original);
-}
-
 TEST(Attainable, OfARunIsThatOfItsOwnSensorSweepsAndScore) {
   ExperimentConfig config;
   config.mission.coverage_radius_m = 0.11;
@@ -466,14 +283,6 @@ TEST(Attainable, OfARunIsThatOfItsOwnSensorSweepsAndScore) {
   EXPECT_EQ(options.sweep_roll_deg, 33.0);
   EXPECT_EQ(options.sweep_period_s, 4.5);
   EXPECT_EQ(options.threads, 3);
-}
-
-TEST_F(AttainableCacheTest, AFolderThatCannotBeWrittenIsNoError) {
-  core::WriteFileAtomically(folder_ / "file", "x");
-  folder_ /= "file";
-  EXPECT_FALSE(Load().from_cache);
-  EXPECT_FALSE(Load().from_cache);
-  folder_ = folder_.parent_path();
 }
 
 }  // namespace

@@ -2,13 +2,9 @@
 #include <octomap/OcTree.h>
 
 #include <filesystem>
-#include <thread>
 
-#include "core/errors.h"
 #include "core/rng.h"
-#include "mapping/backends/catalog.h"
-#include "mapping/grid/occupied_index.h"
-#include "tests/support/placed_spins.h"
+#include "tests/support/room_sweep.h"
 
 namespace atlas::mapping {
 namespace {
@@ -16,57 +12,11 @@ namespace {
 using core::Pose;
 using core::Vec3;
 using core::Vec3f;
-
-/// Spins in a 4 x 4 x 2.4 m room from the inside: distance to the walls in closed form, every tenth ray void.
-tests::PlacedSpins RoomSweep(int spins, double noise, const Vec3& velocity = Vec3(0.5, 0.2, 0.0)) {
-  tests::PlacedSpins sweep;
-  core::Rng rng(3);
-  const core::Box3 room{Vec3(-2, -2, 0), Vec3(2, 2, 2.4)};
-  for (int s = 0; s < spins; ++s) {
-    core::SpinEvent event;
-    core::LidarScan& scan = event.scan;
-    scan.rows = 16;
-    scan.columns = 120;
-    scan.stamp_s = 0.1 * s;
-    const Vec3 start(0.3, -0.2, 0.92);
-    for (double t = 0.0; t <= 0.1001; t += 0.01) {
-      event.T_odom_lidar.Add(scan.stamp_s + t,
-                             core::PoseFromXyzYaw(start + (scan.stamp_s + t) * velocity, 0.0));
-    }
-    for (int row = 0; row < scan.rows; ++row) {
-      for (int column = 0; column < scan.columns; ++column) {
-        const double azimuth = -2.0 * core::kPi * column / scan.columns,
-                     elevation = core::Radians(-40 + 5 * row);
-        const double time = 0.1 * column / scan.columns;
-        const Vec3 direction(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                             std::sin(elevation));
-        const Vec3 origin = start + (scan.stamp_s + time) * velocity;
-        const double range = room.Clip(origin, direction)->second + noise * rng.Normal();
-        const bool is_void = row == 15;
-        scan.direction_lidar.push_back(direction.cast<float>());
-        scan.time_s.push_back(static_cast<float>(time));
-        scan.range_m.push_back(is_void ? 0.0f : static_cast<float>(range));
-        scan.kind.push_back(is_void ? core::ReturnKind::kVoid : core::ReturnKind::kHit);
-      }
-    }
-    sweep.spins.push_back(std::move(event));
-  }
-  sweep.T_map_odom = core::PoseFromXyzYaw(Vec3(0.1, 0.05, 0.0), 0.1);
-  return sweep;
-}
-
-std::unique_ptr<Map> MapOf(const MapperParams& params, const core::Box3& box) {
-  return MakeMap(params, {.keep_map = RegionOf(params, box)});
-}
-
-MapperParams OctomapParams() {
-  MapperParams params;
-  params.name = "octomap";
-  return params;
-}
-
-const core::Box3 kBox{Vec3(-2.3, -2.3, -0.2), Vec3(2.3, 2.3, 2.6)};
-const core::Box3 kRegion = RegionOf(MapperParams{}, kBox);
+using tests::kSweptBox;
+using tests::kSweptRegion;
+using tests::MapOf;
+using tests::OctomapParams;
+using tests::RoomSweep;
 
 octomap::point3d PointOf(const Vec3f& p) {
   return {p.x(), p.y(), p.z()};
@@ -94,7 +44,7 @@ struct Agreement {
 /// The view against a tree, every voxel of the region: probability, state and distance from it.
 Agreement Compare(const MapView& view, const octomap::OcTree& tree) {
   Agreement n;
-  const core::Box3& region = kRegion;
+  const core::Box3& region = kSweptRegion;
   const double half = 0.5 * view.resolution_m();
   for (double x = region.min.x() + half; x < region.max.x(); x += 2.0 * half) {
     for (double y = region.min.y() + half; y < region.max.y(); y += 2.0 * half) {
@@ -123,7 +73,7 @@ TEST(OctomapMap, EqualsOneInsertionIntoTheLibrarysTreeARevolution) {
       if (kind == core::ReturnKind::kVoid) kind = core::ReturnKind::kDropout;
     }
   }
-  const auto mapper = MapOf(params, kBox);
+  const auto mapper = MapOf(params, kSweptBox);
   octomap::OcTree tree = TreeFor(params);
   for (const core::SpinEvent& event : sweep.spins) {
     tests::Integrate(event, sweep.T_map_odom, mapper.get());
@@ -166,7 +116,7 @@ TEST(OctomapMap, EqualsTheLibraryRayByRayWhereTheSensorMovesAndRaysAreVoid) {
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 1.2;  // ends inside the region
   const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
-  const auto mapper = MapOf(params, kBox);
+  const auto mapper = MapOf(params, kSweptBox);
   tests::Integrate(sweep, mapper.get());
   octomap::OcTree tree = TreeFor(params);
   UndistortedSpin spin;
@@ -197,7 +147,7 @@ struct Overlap {
   }
 };
 template <typename Other>
-Overlap Overlay(const MapView& view, const Other& other, const core::Box3& region = kRegion) {
+Overlap Overlay(const MapView& view, const Other& other, const core::Box3& region = kSweptRegion) {
   Overlap n;
   for (double x = region.min.x() + 0.025; x < region.max.x(); x += 0.05) {
     for (double y = region.min.y() + 0.025; y < region.max.y(); y += 0.05) {
@@ -238,7 +188,7 @@ TEST(OctomapMap, RaysCutAtTheRegionClearWhatWholeRaysClear) {
 TEST(OctomapMap, SavesTheTreeItself) {
   const MapperParams params = OctomapParams();
   const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
-  const auto mapper = MapOf(params, kBox);
+  const auto mapper = MapOf(params, kSweptBox);
   tests::Integrate(sweep, mapper.get());
   const auto dir = std::filesystem::temp_directory_path() / ("atlas_bt_" + std::to_string(::getpid()));
   std::filesystem::create_directories(dir);
@@ -246,7 +196,7 @@ TEST(OctomapMap, SavesTheTreeItself) {
   octomap::OcTree saved(0.1);
   ASSERT_TRUE(saved.readBinary((dir / "map.bt").string()));
   std::filesystem::remove_all(dir);
-  const core::Box3 region = RegionOf(params, kBox);
+  const core::Box3 region = RegionOf(params, kSweptBox);
   size_t known = 0;
   for (double x = region.min.x() + 0.025; x < region.max.x(); x += 0.05) {
     for (double y = region.min.y() + 0.025; y < region.max.y(); y += 0.05) {
@@ -266,9 +216,9 @@ TEST(OctomapMap, SavesTheTreeItself) {
 TEST(DenseGridMap, AgreesWithTheLibrarysTreeButForRaysThatGrazeCorners) {
   const tests::PlacedSpins sweep = RoomSweep(6, 0.01);
   MapperParams params = OctomapParams();
-  const auto tree = MapOf(params, kBox);
+  const auto tree = MapOf(params, kSweptBox);
   params.name = "dense_grid";
-  const auto grid = MapOf(params, kBox);
+  const auto grid = MapOf(params, kSweptBox);
   tests::Integrate(sweep, tree.get());
   tests::Integrate(sweep, grid.get());
   const Overlap n = Overlay(*tree->Snapshot(), [&](const Vec3& p) { return ViewedAt(*grid->Snapshot(), p); });
@@ -290,32 +240,20 @@ TEST(OctomapMap, VoidRaysClearOnlyToTheTrustedRangeAndOnlyWhenAsked) {
   }
   MapperParams params = OctomapParams();
   params.integrator.void_range_m = 1.0;
-  const auto clearing = MapOf(params, kBox);
+  const auto clearing = MapOf(params, kSweptBox);
   tests::Integrate(sweep, clearing.get());
   const Vec3 sensor = sweep.T_map_odom * Vec3(0.3, -0.2, 0.92);
   const Vec3 forward = sweep.T_map_odom.linear() * Vec3::UnitX();
   EXPECT_EQ(clearing->Snapshot()->StateAt(sensor + 0.5 * forward), CellState::kFree);
   EXPECT_EQ(clearing->Snapshot()->StateAt(sensor + 1.1 * forward), CellState::kUnknown);
   params.integrator.void_rays = "ignore";
-  const auto ignoring = MapOf(params, kBox);
+  const auto ignoring = MapOf(params, kSweptBox);
   tests::Integrate(sweep, ignoring.get());
   EXPECT_EQ(ignoring->Snapshot()->StateAt(sensor + 0.5 * forward), CellState::kUnknown);
 }
 
-TEST(ScanCloud, IsUndistortedOnTheTrueWalls) {
-  const tests::PlacedSpins sweep = RoomSweep(5, 0.0);
-  const ReturnCloud cloud = tests::CloudOf(sweep, {Vec3(-9, -9, -9), Vec3(9, 9, 9)}, 20.0, 0.015);
-  ASSERT_GT(cloud.points.size(), 3000u);
-  const Pose T_room_map = sweep.T_map_odom.inverse();
-  for (const Vec3f& p : cloud.points) {
-    const Vec3 q = T_room_map * p.cast<double>();
-    const double wall = std::min({2.0 - std::abs(q.x()), 2.0 - std::abs(q.y()), q.z(), 2.4 - q.z()});
-    ASSERT_LT(std::abs(wall), 1e-3) << q.transpose();
-  }
-}
-
 TEST(OctomapMap, TraceListsTheVoxelsThatSamplingFinds) {
-  const auto mapper = MapOf(OctomapParams(), kBox);
+  const auto mapper = MapOf(OctomapParams(), kSweptBox);
   tests::Integrate(RoomSweep(12, 0.0, Vec3(0.05, 0.02, 0.0)), mapper.get());
   const std::shared_ptr<const MapView> snapshot = mapper->Snapshot();
   const MapView& view = *snapshot;
@@ -325,7 +263,7 @@ TEST(OctomapMap, TraceListsTheVoxelsThatSamplingFinds) {
   for (int trial = 0; trial < 300; ++trial) {
     const Vec3 origin(rng.Uniform(-1.5, 1.5), rng.Uniform(-1.5, 1.5), rng.Uniform(0.3, 2.0));
     const Vec3 direction = Vec3(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
-    const RayEnd end = view.Trace(origin, direction, {.box_map = kRegion}, &samples);
+    const RayEnd end = view.Trace(origin, direction, {.box_map = kSweptRegion}, &samples);
     double t = 0.0;
     for (size_t i = 0; i < samples.size(); ++i) {
       const double length = static_cast<double>(samples[i].length_m);
@@ -341,98 +279,6 @@ TEST(OctomapMap, TraceListsTheVoxelsThatSamplingFinds) {
     ended_occupied += end == RayEnd::kOccupied;
   }
   EXPECT_GT(ended_occupied, 30);
-}
-
-TEST(OccupiedIndex, DistanceMatchesBruteForce) {
-  const auto mapper = MapOf(OctomapParams(), kBox);
-  tests::Integrate(RoomSweep(3, 0.0), mapper.get());
-  const auto centers = OccupiedCenters(*mapper->Snapshot(), kRegion);
-  ASSERT_FALSE(centers.empty());
-  OccupiedIndex index(kRegion);
-  index.Build(centers);
-  core::Rng rng(6);
-  for (int trial = 0; trial < 100; ++trial) {
-    const Vec3 p(rng.Uniform(-4, 4), rng.Uniform(-4, 4), rng.Uniform(-1, 3));
-    double best = 1.5;
-    for (const Vec3f& c : centers) best = std::min(best, (c.cast<double>() - p).norm());
-    EXPECT_NEAR(index.DistanceTo(p, 1.5), best, 1e-4);
-  }
-}
-
-/// Every mapper of the catalogue.
-class EachMap : public ::testing::TestWithParam<std::string> {
- protected:
-  std::unique_ptr<Map> Make() const {
-    MapperParams params;
-    params.name = GetParam();
-    return MapOf(params, kBox);
-  }
-};
-
-TEST_P(EachMap, ViewIsWholeWhicheverThreadAsksFirst) {
-  const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
-  const auto quiet = Make(), busy = Make();
-  for (const core::SpinEvent& event : sweep.spins) {
-    tests::Integrate(event, sweep.T_map_odom, quiet.get());
-    tests::Integrate(event, sweep.T_map_odom, busy.get());
-    size_t bytes = 0, known = 0;
-    std::vector<Vec3f> occupied;
-    std::thread scorer([&] {
-      bytes = busy->Bytes();
-      known = busy->Snapshot()->StateAt(Vec3(0.3, -0.2, 0.6)) != CellState::kUnknown;
-    });
-    occupied = OccupiedCenters(*busy->Snapshot(), kRegion);
-    scorer.join();
-    EXPECT_TRUE(occupied == OccupiedCenters(*quiet->Snapshot(), kRegion));
-    EXPECT_EQ(bytes, quiet->Bytes());
-    EXPECT_EQ(known, quiet->Snapshot()->StateAt(Vec3(0.3, -0.2, 0.6)) != CellState::kUnknown);
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Catalogue, EachMap, ::testing::Values("octomap", "dense_grid", "se_atlas"));
-
-TEST_P(EachMap, ASnapshotStaysAsItWasWhileTheMapGoesOn) {
-  const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
-  const auto map = Make();
-  tests::Integrate(sweep.spins[0], sweep.T_map_odom, map.get());
-  const std::shared_ptr<const MapView> before = map->Snapshot();
-  const std::vector<Vec3f> occupied = OccupiedCenters(*before, kRegion);
-  tests::PlacedSpins rest = sweep;
-  rest.T_map_odom = core::PoseFromXyzYaw({0.4, 0.3, 0.0}, 0.3);  // walls elsewhere
-  std::thread reader([&] {
-    for (int i = 0; i < 20; ++i) EXPECT_TRUE(OccupiedCenters(*before, kRegion) == occupied);
-  });
-  tests::Integrate(rest, map.get());
-  reader.join();
-  EXPECT_TRUE(OccupiedCenters(*before, kRegion) == occupied);
-  EXPECT_GT(OccupiedCenters(*map->Snapshot(), kRegion).size(), occupied.size());
-}
-
-TEST_P(EachMap, NothingIsKeptOutsideTheBox) {
-  const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
-  MapperParams params;
-  params.name = GetParam();
-  const core::Box3 half{Vec3(-2.3, -2.3, -0.2), Vec3(0.0, 2.3, 2.6)};
-  const auto map = MakeMap(params, {.keep_map = RegionOf(params, half)});
-  tests::Integrate(sweep, map.get());
-  const std::shared_ptr<const MapView> view = map->Snapshot();
-  size_t known = 0;
-  for (double x = -2.0; x < 2.0; x += 0.1) {
-    const bool is_known = view->StateAt(Vec3(x, 0.3, 1.0)) != CellState::kUnknown;
-    known += is_known;
-    EXPECT_TRUE(x < 0.25 || !is_known) << x;
-  }
-  EXPECT_GT(known, 3u);
-}
-
-TEST(Map, ADenseGridTooLargeForItsResolutionIsRefused) {
-  MapperParams params = OctomapParams();
-  params.name = "dense_grid";
-  params.resolution_m = 0.02;
-  EXPECT_THROW(MapOf(params, core::Box3{Vec3(-200, -200, 0), Vec3(200, 200, 20)}), core::InputError);
-  EXPECT_THROW(MakeMap(params, {}), core::InputError) << "no box to keep";
-  params.name = "octomop";
-  EXPECT_THROW(MapOf(params, kBox), core::InputError);
 }
 
 }  // namespace

@@ -37,6 +37,19 @@ class SceneFile : public ::testing::Test {
   }
   ~SceneFile() override { std::filesystem::remove_all(folder_); }
 
+  struct Mistake {
+    std::string yaml;
+    std::vector<std::string> says;
+  };
+  void ExpectEach(const std::vector<Mistake>& mistakes) {
+    for (const Mistake& m : mistakes) {
+      const std::string error = ErrorOf(m.yaml);
+      EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+      for (const std::string& part : m.says)
+        EXPECT_NE(error.find(part), std::string::npos) << error << "\n  lacks " << part;
+    }
+  }
+
   std::string ErrorOf(const std::string& yaml) {
     const std::filesystem::path path = folder_ / "scene.yaml";
     core::WriteFileAtomically(path, yaml);
@@ -68,10 +81,7 @@ TEST_F(SceneFile, WhatIsAmbiguousOrEndlessIsRefusedByFileAndLine) {
 
 TEST_F(SceneFile, EveryMistakeGivesOneLineThatNamesItsPlace) {
   const std::string box = "parts: [{primitive: box, size: [1, 1, 1]}]\n";
-  const struct {
-    std::string yaml;
-    std::vector<std::string> says;
-  } cases[] = {
+  ExpectEach({
       {"spawn: {x: 1\nparts: [", {"scene.yaml:", "malformed YAML"}},
       {"", {"expected a mapping"}},
       {"- 1\n", {"expected a mapping"}},
@@ -107,6 +117,11 @@ TEST_F(SceneFile, EveryMistakeGivesOneLineThatNamesItsPlace) {
       {"spawn: {x: 4, y: 0}\nobject_box: {min: [0, 3, 0], max: [1, 2, 3]}\n" + box,
        {"scene.yaml:2: object_box.min", "y = 3", "max y = 2"}},
       {kHead + box + "ground: {size: [0, 3]}\n", {"ground.size", "above 0"}},
+  });
+}
+
+TEST_F(SceneFile, EveryMistakeInAMeshGivesOneLineThatNamesItsPlace) {
+  ExpectEach({
       {kHead + "parts: [{mesh: absent.obj}]\n",
        {"scene.yaml:3", "parts[0].mesh", "absent.obj: no such file"}},
       {kHead + "parts: [{mesh: empty.obj}]\n", {"empty.obj: the file is empty"}},
@@ -121,13 +136,7 @@ TEST_F(SceneFile, EveryMistakeGivesOneLineThatNamesItsPlace) {
       {kHead + "parts: [{mesh: good.obj, scale: 0.001, collision: hul}]\n",
        {"unknown collision 'hul'", "'hull'"}},
       {kHead + "parts: [{mesh: good.obj, scale: 0.001}]\n", {"no error"}},
-  };
-  for (const auto& c : cases) {
-    const std::string error = ErrorOf(c.yaml);
-    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-    for (const std::string& part : c.says)
-      EXPECT_NE(error.find(part), std::string::npos) << error << "\n  lacks " << part;
-  }
+  });
 }
 
 TEST_F(SceneFile, ControlCharactersAreRefusedAndProseMayHaveLines) {
