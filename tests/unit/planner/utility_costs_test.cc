@@ -10,7 +10,7 @@
 namespace atlas::planner {
 namespace {
 
-const tests::MovedKeyframes kStill;
+const tests::MovedKeyframes kKeyframesAtRest;
 
 using core::Vec2;
 using core::Vec3;
@@ -155,24 +155,24 @@ core::Pose Standing(double x) {
 
 TEST(ViewMemory, APromiseThatBringsNothingCountsAsBrokenWhereItWasMade) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000, kStill);
-  memory.Commit({Vec2(3.0, 0.0), 0.0}, kStill);
-  memory.RecordSweep(Standing(3.1), 2, kStill);
+  memory.RecordSweep(Standing(0.0), 10000, kKeyframesAtRest);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kKeyframesAtRest);
+  memory.RecordSweep(Standing(3.1), 2, kKeyframesAtRest);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(4.5, 0.0)), 0);
   EXPECT_FALSE(memory.commitment().has_value());
-  memory.Commit({Vec2(3.0, 0.0), 0.0}, kStill);
-  memory.RecordSweep(Standing(3.0), 5000, kStill);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kKeyframesAtRest);
+  memory.RecordSweep(Standing(3.0), 5000, kKeyframesAtRest);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1) << "kept";
 }
 
 TEST(ViewMemory, TrustGrowsWithTheDistanceToBrokenPromises) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000, kStill);
+  memory.RecordSweep(Standing(0.0), 10000, kKeyframesAtRest);
   EXPECT_EQ(memory.TrustAt(Vec2(1.0, 2.0), 6.0), 1.0) << "nothing was broken yet";
   for (const double x : {3.0, 9.0}) {
-    memory.Commit({Vec2(x, 0.0), 0.0}, kStill);
-    memory.RecordSweep(Standing(x), 2, kStill);
+    memory.Commit({Vec2(x, 0.0), 0.0}, kKeyframesAtRest);
+    memory.RecordSweep(Standing(x), 2, kKeyframesAtRest);
   }
   EXPECT_EQ(memory.TrustAt(Vec2(3.0, 0.0), 6.0), 0.0);
   // 6 m from one and, by the right angle, the root of 72 m from the other.
@@ -182,9 +182,9 @@ TEST(ViewMemory, TrustGrowsWithTheDistanceToBrokenPromises) {
 
 TEST(ViewMemory, ACommitmentStaysUntilASweepIsTakenThere) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000, kStill);
-  memory.Commit({Vec2(3.0, 0.0), 0.0}, kStill);
-  memory.RecordSweep(Standing(1.5), 3, kStill);
+  memory.RecordSweep(Standing(0.0), 10000, kKeyframesAtRest);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kKeyframesAtRest);
+  memory.RecordSweep(Standing(1.5), 3, kKeyframesAtRest);
   EXPECT_TRUE(memory.commitment().has_value());
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(1.5, 0.0)), 0) << "nothing was promised here";
 }
