@@ -73,7 +73,7 @@ class MissionMetrics {
   std::unique_ptr<CoverageMeter> meter_;
   bool has_surroundings_ = false;
   std::unique_ptr<ExploredVolume> volume_;  ///< of scenes to explore
-  CloudScore scored_, score_;  ///< the meter's latest answers, as computed, as adopted
+  CloudScore scored_, score_;               ///< the meter's latest answers, as computed, as adopted
   std::vector<std::unique_ptr<Metric>> metrics_;
   std::unique_ptr<RunRecorder> recorder_;
   sim::Simulator* simulator_ = nullptr;

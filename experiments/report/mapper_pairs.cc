@@ -49,7 +49,8 @@ struct Differences {
     at_end.push_back(100.0 * (a.back() - b.back()));
     at_equal_scans.push_back(100.0 * (a[both - 1] - b[both - 1]));
     scans.push_back(static_cast<double>(a.size()) - static_cast<double>(b.size()));
-    AddRatio(atlas.summary.Number("integration_ms_mean"), other.summary.Number("integration_ms_mean"), &integration);
+    AddRatio(atlas.summary.Number("integration_ms_mean"), other.summary.Number("integration_ms_mean"),
+             &integration);
     AddRatio(atlas.summary.Number("nbv_time_s_mean"), other.summary.Number("nbv_time_s_mean"), &nbv);
   }
 };

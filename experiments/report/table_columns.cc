@@ -103,8 +103,7 @@ std::vector<Column> Efforts() {
 std::vector<Column> Endings() {
   return {
       {"falls", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, "falls"); }},
-      {"collisions", "", false, Use::kAlways,
-       [](const RunGroup& g) { return Total(g, "collisions"); }},
+      {"collisions", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, "collisions"); }},
       {"drop cm", "greatest depth of a touch-down below its planned foothold", false, Use::kWhereMeasured,
        [](const RunGroup& g) { return Worst(g, "worst_foot_drop_m", 100.0, 1); }},
       {"runs", "", false, Use::kGroups, [](const RunGroup& g) { return fmt::format("{}", g.runs.size()); }},

@@ -1,5 +1,5 @@
-// What one run comes to: the flat keys of summary.json. Its words are written and read through one list, so that
-// they cannot disagree; its numbers are what metrics declare.
+// What one run comes to: the flat keys of summary.json. Its words are written and read through one list, so
+// that they cannot disagree; its numbers are what metrics declare.
 #pragma once
 
 #include <filesystem>
@@ -65,7 +65,9 @@ struct RunSummary {
   core::Row numbers;
 
   /// Nothing where it was not measured.
-  std::optional<double> Number(const std::string& key) const { return numbers.Number(key); }
+  std::optional<double> Number(const std::string& key) const {
+    return numbers.Number(key);
+  }
 };
 
 /// summary.json as text: words, then numbers in the order in which they were set.

@@ -95,7 +95,7 @@ HWY_INLINE BlockSlot BlockSlotOf(DF d, const Vector3& voxel, MF asked, const Sca
                           hn::Or(hn::And(y, fifty_six), hn::ShiftLeft<3>(hn::And(z, fifty_six))));
   BlockSlot where;
   where.voxel = hn::Or(hn::And(x, seven),
-                         hn::Or(hn::ShiftLeft<3>(hn::And(y, seven)), hn::ShiftLeft<6>(hn::And(z, seven))));
+                       hn::Or(hn::ShiftLeft<3>(hn::And(y, seven)), hn::ShiftLeft<6>(hn::And(z, seven))));
   where.block = hn::Or(hn::ShiftLeft<9>(chunk), block);
   const VI row = hn::GatherIndex(di, rules.row_of_chunk, chunk);
   const VI slot = hn::GatherIndex(di, rules.slots, hn::Or(hn::ShiftLeft<9>(row), block));

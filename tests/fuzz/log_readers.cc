@@ -25,9 +25,9 @@ RecordedCloud SmallCloud(uint64_t seed) {
   model.elevation_rad.resize(6);
   model.azimuth_offset_rad.resize(6);
   model.columns = 24;
-  testing::DriverQuirks quirks;
+  tests::DriverQuirks quirks;
   quirks.missing = 0.1;
-  RecordedCloud cloud = testing::RoomCloud(model, quirks, seed);
+  RecordedCloud cloud = tests::RoomCloud(model, quirks, seed);
   for (size_t i = 0; i < cloud.size(); ++i) {
     cloud.time_s.push_back(0.1f * static_cast<float>(i % 24) / 24.0f);
     cloud.kind.push_back(cloud.p_lidar[i].allFinite() ? core::ReturnKind::kHit : core::ReturnKind::kVoid);
@@ -82,12 +82,12 @@ void ReadLog(const std::string& scans, const std::string& lidar) {
 
 /// Two clouds and, on topics of their own, the poses of each kind.
 std::string SmallBag() {
-  using testing::BagHeaderBytes, testing::PoseBytes, testing::Raw, testing::Sized;
-  testing::BagWriter bag;
+  using tests::BagHeaderBytes, tests::PoseBytes, tests::Raw, tests::Sized;
+  tests::BagWriter bag;
   const std::string covariance(36 * 8, '\0');
   for (uint32_t s = 1; s < 3; ++s) {
     const std::string header = BagHeaderBytes(s, "map"), pose = PoseBytes(0.5 * s);
-    bag.Add("/p", "sensor_msgs/PointCloud2", s, testing::CloudMessage(s, 2, 2, std::vector<float>(12, 2.5f)));
+    bag.Add("/p", "sensor_msgs/PointCloud2", s, tests::CloudMessage(s, 2, 2, std::vector<float>(12, 2.5f)));
     bag.Add("/odom", "nav_msgs/Odometry", s, header + Sized("base") + pose + covariance + covariance);
     bag.Add("/path", "nav_msgs/Path", s, header + Raw(uint32_t{1}) + header + pose);
     bag.Add("/tf", "tf2_msgs/TFMessage", s, Raw(uint32_t{1}) + header + Sized("base") + pose);

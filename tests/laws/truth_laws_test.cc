@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 /// Sources of the rooms above the simulator that hold one of these words.
 std::set<std::string> FilesThatSay(const std::vector<std::string>& words) {
   std::set<std::string> found;
-  const fs::path root = testing::SourceTree();
+  const fs::path root = tests::SourceTree();
   for (const char* room : {"mapping", "planner", "experiments"}) {
     for (const auto& file : fs::recursive_directory_iterator(root / room)) {
       const std::string kind = file.path().extension();

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = atlas::testing::SourceTree();
+const fs::path kRoot = atlas::tests::SourceTree();
 const std::vector<std::string> kRooms = {"core",    "scenes",  "robots",     "sim",
                                          "mapping", "planner", "experiments"};
 

@@ -62,7 +62,7 @@ std::vector<Function> FunctionsOf(const std::vector<std::string>& lines) {
 std::vector<fs::path> AllSources() {
   std::vector<fs::path> files;
   for (const char* room : {"core", "scenes", "robots", "sim", "mapping", "planner", "experiments", "tests"}) {
-    for (const auto& file : fs::recursive_directory_iterator(atlas::testing::SourceTree() / room)) {
+    for (const auto& file : fs::recursive_directory_iterator(atlas::tests::SourceTree() / room)) {
       const std::string extension = file.path().extension();
       if (extension == ".h" || extension == ".cc") files.push_back(file.path());
     }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 template <typename T>
 std::string Raw(T value) {
@@ -99,4 +99,4 @@ inline std::string PoseBytes(double x, double qw = 1.0) {
   return bytes;
 }
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 /// Polls until `condition` holds or `limit_s` has passed; whether it holds.
 inline bool Eventually(const std::function<bool()>& condition, double limit_s = 120.0) {
@@ -76,4 +76,4 @@ class Child {
   pid_t pid_ = -1;
 };
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

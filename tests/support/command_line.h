@@ -15,7 +15,7 @@
 
 #include "tests/support/source_tree.h"
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 struct Outcome {
   int exit_code = -1;
@@ -62,4 +62,4 @@ class CommandLine : public ::testing::Test {
       std::filesystem::temp_directory_path() / ("atlas_cli_" + std::to_string(::getpid()));
 };
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

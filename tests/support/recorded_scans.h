@@ -5,7 +5,7 @@
 #include "core/rng.h"
 #include "mapping/io/recorded_cloud.h"
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 struct DriverQuirks {
   bool counter_clockwise = false;
@@ -53,4 +53,4 @@ inline mapping::RecordedCloud RoomCloud(const core::LidarModel& model, const Dri
   return cloud;
 }
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

@@ -8,7 +8,7 @@
 #include "experiments/report/text_table.h"
 #include "experiments/results/run_summary.h"
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 /// A run of `experiment` that completed: greedy, occlusion_aware, OctoMap, trot.
 inline experiments::RunSummary RunOf(const std::string& experiment, uint64_t seed, double coverage) {
@@ -43,4 +43,4 @@ inline std::string Cell(const experiments::TextTable& table, size_t row, const s
   return "";
 }
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

@@ -7,7 +7,7 @@
 
 #include "tests/support/source_tree.h"
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 /// `relative` below $ATLAS_SHARED_DATA or ../shared/data beside the repository, where it is there.
 inline std::optional<std::filesystem::path> SharedData(const std::filesystem::path& relative) {
@@ -19,4 +19,4 @@ inline std::optional<std::filesystem::path> SharedData(const std::filesystem::pa
   return root / relative;
 }
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

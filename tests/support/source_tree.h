@@ -6,7 +6,7 @@
 
 #include "core/files.h"
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 /// The repository's root: $ATLAS_HOME where set.
 inline std::filesystem::path SourceTree() {
@@ -18,4 +18,4 @@ inline std::filesystem::path AtlasBinary() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "atlas";
 }
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

@@ -12,7 +12,7 @@
 #include "core/rng.h"
 #include "core/sensor_events.h"
 
-namespace atlas::testing {
+namespace atlas::tests {
 
 /// A parallelogram corner + a u + b v (a, b in [0, 1]); a ray passes it with probability `transmission`.
 struct Patch {
@@ -179,4 +179,4 @@ class TerrainSensors {
   core::LidarModel model_;
 };
 
-}  // namespace atlas::testing
+}  // namespace atlas::tests

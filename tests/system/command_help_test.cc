@@ -7,8 +7,8 @@
 
 namespace {
 
-using atlas::testing::CommandLine;
-using atlas::testing::Outcome;
+using atlas::tests::CommandLine;
+using atlas::tests::Outcome;
 
 const std::vector<std::string> kCommands = {"run",   "render", "explain", "list",       "check",
                                             "sweep", "report", "record",  "bench",      "map",
@@ -37,7 +37,7 @@ TEST_F(CommandLine, VersionIsThatOfTheProject) {
   const Outcome outcome = Atlas("--version");
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.text.find("atlas "), 0u) << outcome.text;
-  EXPECT_TRUE(Holds(atlas::core::ReadFile(atlas::testing::SourceTree() / "CMakeLists.txt"),
+  EXPECT_TRUE(Holds(atlas::core::ReadFile(atlas::tests::SourceTree() / "CMakeLists.txt"),
                     "VERSION " + FirstWords(outcome.text.substr(6)).at(0)))
       << outcome.text;
 }

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using atlas::testing::CommandLine;
-using atlas::testing::Outcome;
+using atlas::tests::CommandLine;
+using atlas::tests::Outcome;
 
 TEST_F(CommandLine, UnknownNamesSuggestTheNearOne) {
   ExpectRefusal("run helicoptre", {"helicoptre", "did you mean 'helicopter'"});
@@ -111,7 +111,7 @@ TEST_F(CommandLine, InterruptLeavesAValidRunFolder) {
     if (freopen("/dev/null", "w", stderr) == nullptr || freopen("/dev/null", "w", stdout) == nullptr)
       _exit(9);
     const std::string out = (dir_ / "run").string();
-    execl(atlas::testing::AtlasBinary().c_str(), "atlas", "run", "car", "--out", out.c_str(), "--set",
+    execl(atlas::tests::AtlasBinary().c_str(), "atlas", "run", "car", "--out", out.c_str(), "--set",
           "planner.nodes=20", nullptr);
     _exit(9);
   }

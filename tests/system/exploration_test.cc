@@ -50,8 +50,8 @@ class Exploration : public ::testing::TestWithParam<std::string> {
 
 TEST_P(Exploration, IsScoredAndPlannedOnTwoThreadsAsOnOne) {
   const RunSummary one = Explore(1, "one"), two = Explore(2, "two");
-  EXPECT_GT(two.explored_of_attainable.value(), 0.5);
-  EXPECT_EQ(one.explored_volume_m3, two.explored_volume_m3);
+  EXPECT_GT(two.Number("explored_of_attainable").value(), 0.5);
+  EXPECT_EQ(one.Number("explored_volume_m3").value(), two.Number("explored_volume_m3").value());
   for (const char* file : {"steps.csv", "candidates.csv", "cloud.ply"}) {
     EXPECT_TRUE(core::ReadFile(dir_ / "one" / file) == core::ReadFile(dir_ / "two" / file)) << file;
   }

@@ -3,9 +3,9 @@
 
 namespace {
 
-using atlas::testing::Outcome;
+using atlas::tests::Outcome;
 
-class HostileText : public atlas::testing::CommandLine {
+class HostileText : public atlas::tests::CommandLine {
  protected:
   /// One refusal that shows `shown` and sends nothing that a terminal acts on.
   void ExpectShown(const std::string& arguments, const std::string& shown) {

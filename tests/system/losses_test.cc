@@ -13,16 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 using atlas::core::ReadFile;
-using atlas::testing::Child;
-using atlas::testing::ChildOptions;
-using atlas::testing::Eventually;
+using atlas::tests::Child;
+using atlas::tests::ChildOptions;
+using atlas::tests::Eventually;
 
-class Losses : public atlas::testing::CommandLine {
+class Losses : public atlas::tests::CommandLine {
  protected:
   /// A mission of seconds on a coarse truth.
   std::vector<std::string> ShortRun(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {atlas::testing::AtlasBinary().string(), "run", "car", "--out",
-                                          "run"};
+    std::vector<std::string> arguments = {atlas::tests::AtlasBinary().string(), "run", "car", "--out", "run"};
     std::vector<std::string> sets = {"mission.truth_spacing_m=0.1", "mission.max_scans=2", "planner.nodes=20",
                                      "locomotion=kinematic"};
     sets.insert(sets.end(), more.begin(), more.end());
@@ -31,7 +30,7 @@ class Losses : public atlas::testing::CommandLine {
   }
   /// One whose preparation takes minutes, for nothing is cached.
   std::vector<std::string> LongPreparation() const {
-    return {atlas::testing::AtlasBinary().string(), "run", "house", "--out", "run", "--threads", "1"};
+    return {atlas::tests::AtlasBinary().string(), "run", "house", "--out", "run", "--threads", "1"};
   }
   ChildOptions Options() const {
     return {.folder = dir_,
@@ -111,7 +110,7 @@ TEST_F(Losses, ASweepEndsWithItsChildrenWhateverEndsIt) {
     SCOPED_TRACE(strsignal(number));
     fs::remove_all(dir_ / "out");
     Child sweep(
-        {atlas::testing::AtlasBinary().string(), "sweep", "spec.yaml", "--out", (dir_ / "out").string()},
+        {atlas::tests::AtlasBinary().string(), "sweep", "spec.yaml", "--out", (dir_ / "out").string()},
         Options());
     ASSERT_TRUE(Eventually([&] { return Exists("out/house/1/summary.json"); }));
     EXPECT_EQ(orphans(), 2u);
@@ -145,7 +144,7 @@ TEST_F(Losses, ACameraThatCannotStartIsSaidFirstAndInTheSummary) {
   EXPECT_EQ(Summary()["render_backend"], "none");
   EXPECT_NE(said.find(Summary()["render_problem"]), std::string::npos);
   EXPECT_TRUE(ReadFile(dir_ / "run/log.txt").starts_with("no depth camera: "));
-  Child explain({atlas::testing::AtlasBinary().string(), "explain", "car"}, options);
+  Child explain({atlas::tests::AtlasBinary().string(), "explain", "car"}, options);
   EXPECT_EQ(explain.Wait(), 0);
   EXPECT_NE(ReadFile(dir_ / "stderr").find("sensors.depth_camera: cannot start on this machine"),
             std::string::npos);

@@ -20,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using atlas::core::Vec3;
 using atlas::core::Vec3f;
-using atlas::testing::Outcome;
+using atlas::tests::Outcome;
 
-class MapCommand : public atlas::testing::CommandLine {
+class MapCommand : public atlas::tests::CommandLine {
  protected:
   /// Scans of an empty room of 12 x 8 x 5 m by an OS0-64 at three places, and their poses.
   void WriteRoomLog() {
@@ -30,7 +30,7 @@ class MapCommand : public atlas::testing::CommandLine {
     std::string poses;
     for (int i = 0; i < 3; ++i) {
       const Vec3 p(1.5 * i - 1.5, 0.5 * i, 0.1 * i);
-      const auto cloud = atlas::testing::RoomCloud(lidar, {}, static_cast<uint64_t>(i), p);
+      const auto cloud = atlas::tests::RoomCloud(lidar, {}, static_cast<uint64_t>(i), p);
       atlas::core::WriteFileAtomically(
           dir_ / "log" / "scans" / ("10" + std::to_string(i) + ".000.pcd"),
           atlas::mapping::CloudToPcd(cloud, atlas::mapping::CloudEncoding::kBinaryCompressed));
@@ -148,7 +148,7 @@ TEST_F(MapCommand, InterruptLeavesAWholeMap) {
         freopen("/dev/null", "w", stdout) == nullptr) {
       _exit(9);
     }
-    execl(atlas::testing::AtlasBinary().c_str(), "atlas", "map", "--scans", "long", "--out", "out", nullptr);
+    execl(atlas::tests::AtlasBinary().c_str(), "atlas", "map", "--scans", "long", "--out", "out", nullptr);
     _exit(9);
   }
   for (int i = 0; i < 600 && !fs::exists(dir_ / "out"); ++i)
@@ -191,7 +191,7 @@ TEST_F(MapCommand, AFileThatDoesNotFitCostsNoOther) {
   ASSERT_GT(size("mesh.ply"), size("map.atlas") + 4096);
   const std::string blocks = std::to_string(size("map.atlas") / 512 + 2);
   const Outcome outcome =
-      Atlas("list gains > gains; ulimit -f " + blocks + "; '" + atlas::testing::AtlasBinary().string() +
+      Atlas("list gains > gains; ulimit -f " + blocks + "; '" + atlas::tests::AtlasBinary().string() +
             "' map --scans log --resolution 0.1 --mesh --out out");
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.text.find("cannot write (File too large)"), std::string::npos) << outcome.text;
@@ -251,7 +251,7 @@ TEST_F(MapCommand, GraphsAndPairsMapWithOneCommandEach) {
   const atlas::core::LidarModel lidar = atlas::core::FindLidarModel("os0_64");
   std::string graph;
   for (const int i : {0, 1}) {
-    const auto cloud = atlas::testing::RoomCloud(lidar, {}, static_cast<uint64_t>(i), Vec3(i, 0.0, 0.0));
+    const auto cloud = atlas::tests::RoomCloud(lidar, {}, static_cast<uint64_t>(i), Vec3(i, 0.0, 0.0));
     atlas::core::WriteFileAtomically(
         dir_ / "pair" / (i == 0 ? "target.pcd" : "source.pcd"),
         atlas::mapping::CloudToPcd(cloud, atlas::mapping::CloudEncoding::kBinary));
@@ -277,10 +277,10 @@ TEST_F(MapCommand, GraphsAndPairsMapWithOneCommandEach) {
   };
   expect_mapped("room.graph", "graph_map", 2);
   expect_pair("pair", "pair_map");
-  if (const auto real = atlas::testing::SharedData("octomap/spherical_scan.graph")) {
+  if (const auto real = atlas::tests::SharedData("octomap/spherical_scan.graph")) {
     expect_mapped(real->string(), "real_graph_map", 1);
   }
-  if (const auto real = atlas::testing::SharedData("scan_pair")) expect_pair(real->string(), "real_pair_map");
+  if (const auto real = atlas::tests::SharedData("scan_pair")) expect_pair(real->string(), "real_pair_map");
 }
 
 }  // namespace

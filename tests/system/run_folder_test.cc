@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 
 using atlas::core::ReadFile;
 using atlas::core::WriteFileAtomically;
-using atlas::testing::CommandLine;
-using atlas::testing::Outcome;
+using atlas::tests::CommandLine;
+using atlas::tests::Outcome;
 
 class WholeRunFolder : public CommandLine {
  protected:

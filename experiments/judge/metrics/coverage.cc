@@ -59,25 +59,29 @@ class Coverage final : public Metric {
 
 MetricEntry CoverageMetric() {
   const core::Column raw = {"coverage_raw", "", "as coverage, without the rigid alignment"},
-                     aligned = {"coverage", "", "share of the truth with a return within the radius (Eq. 3.9)"},
+                     aligned = {"coverage", "",
+                                "share of the truth with a return within the radius (Eq. 3.9)"},
                      outer = {"coverage_outer", "", "as coverage, by returns from the outer side only"},
-                     share = {"coverage_of_attainable", "", "share of what is attainable, from the outer side"},
-                     flat = {"flat_by_truth", "", "the truth's coverage has stopped growing; decides nothing"};
-  return {.name = "coverage",
-          .doc = "of the true surface (Eq. 3.9), from its outer side, of what is attainable",
-          .steps = {raw, aligned, outer, share, flat},
-          .summary = {aligned,
-                      raw,
-                      outer,
-                      {"coverage_attainable", "", "ceiling of coverage_outer: sweeps from all reachable poses"},
-                      share,
-                      flat,
-                      {"t50_s", "s", "simulated time until half of the attainable was covered"},
-                      {"t90_s", "s", "likewise, 90 %"},
-                      {"t95_s", "s", "likewise, 95 %"}},
-          .build = [](const MetricSetup& setup) {
-            return std::unique_ptr<Metric>(std::make_unique<Coverage>(setup));
-          }};
+                     share = {"coverage_of_attainable", "",
+                              "share of what is attainable, from the outer side"},
+                     flat = {"flat_by_truth", "",
+                             "the truth's coverage has stopped growing; decides nothing"};
+  return {
+      .name = "coverage",
+      .doc = "of the true surface (Eq. 3.9), from its outer side, of what is attainable",
+      .steps = {raw, aligned, outer, share, flat},
+      .summary = {aligned,
+                  raw,
+                  outer,
+                  {"coverage_attainable", "", "ceiling of coverage_outer: sweeps from all reachable poses"},
+                  share,
+                  flat,
+                  {"t50_s", "s", "simulated time until half of the attainable was covered"},
+                  {"t90_s", "s", "likewise, 90 %"},
+                  {"t95_s", "s", "likewise, 95 %"}},
+      .build = [](const MetricSetup& setup) {
+        return std::unique_ptr<Metric>(std::make_unique<Coverage>(setup));
+      }};
 }
 
 }  // namespace atlas::experiments

@@ -33,18 +33,19 @@ class Decisions final : public Metric {
 
 MetricEntry DecisionMetric() {
   using Format = core::Column::Format;
-  return {.name = "decision",
-          .doc = "what the planner chose, of how many views, and what it left out",
-          .steps = {{"outcome", "", "view, or how the mission ends: gain_exhausted, surface_flat ..."},
-                    {"candidates", "", "views predicted"},
-                    {"nodes", "", "places found"},
-                    {"rays", "", "traced"},
-                    {"gain", "", "information gain of the chosen view, in its own unit", 6, Format::kSignificant},
-                    {"utility", "", "of the chosen view (Eq. 3.1)", 6, Format::kSignificant},
-                    {"utility_ratio", "", "over the greatest so far"},
-                    {"path_length_m", "m", "of the way to the chosen view", 4}},
-          .summary = {{"blocked_ways", "", "ways too narrow for the robot, known at the end"}},
-          .build = BuildMetric<Decisions>};
+  return {
+      .name = "decision",
+      .doc = "what the planner chose, of how many views, and what it left out",
+      .steps = {{"outcome", "", "view, or how the mission ends: gain_exhausted, surface_flat ..."},
+                {"candidates", "", "views predicted"},
+                {"nodes", "", "places found"},
+                {"rays", "", "traced"},
+                {"gain", "", "information gain of the chosen view, in its own unit", 6, Format::kSignificant},
+                {"utility", "", "of the chosen view (Eq. 3.1)", 6, Format::kSignificant},
+                {"utility_ratio", "", "over the greatest so far"},
+                {"path_length_m", "m", "of the way to the chosen view", 4}},
+      .summary = {{"blocked_ways", "", "ways too narrow for the robot, known at the end"}},
+      .build = BuildMetric<Decisions>};
 }
 
 }  // namespace atlas::experiments

@@ -22,13 +22,14 @@ class ExploredSpace final : public Metric {
 }  // namespace
 
 MetricEntry ExploredSpaceMetric() {
-  return {.name = "explored_space",
-          .doc = "known volume of what can be seen, in scenes to explore",
-          .steps = {{"explored_m3", "m^3", "known volume of what is attainable", 3}},
-          .summary = {{"explored_volume_m3", "m^3", "known volume of what is attainable"},
-                      {"explored_volume_attainable_m3", "m^3", "volume that sweeps from all reachable poses see"},
-                      {"explored_of_attainable", "", "the first over the second"}},
-          .build = BuildMetric<ExploredSpace>};
+  return {
+      .name = "explored_space",
+      .doc = "known volume of what can be seen, in scenes to explore",
+      .steps = {{"explored_m3", "m^3", "known volume of what is attainable", 3}},
+      .summary = {{"explored_volume_m3", "m^3", "known volume of what is attainable"},
+                  {"explored_volume_attainable_m3", "m^3", "volume that sweeps from all reachable poses see"},
+                  {"explored_of_attainable", "", "the first over the second"}},
+      .build = BuildMetric<ExploredSpace>};
 }
 
 }  // namespace atlas::experiments

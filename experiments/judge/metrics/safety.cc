@@ -29,7 +29,8 @@ class Safety final : public Metric {
 MetricEntry SafetyMetric() {
   const core::Column falls = {"falls", "", "of the robot, so far"},
                      collisions = {"collisions", "", "of trunk and thighs with the scene, so far"},
-                     off_solid = {"footholds_off_solid", "", "footholds with less than solid ground under them"},
+                     off_solid = {"footholds_off_solid", "",
+                                  "footholds with less than solid ground under them"},
                      drop = {"worst_foot_drop_m", "m", "greatest depth of a touch-down below its target", 4};
   return {.name = "safety",
           .doc = "falls, collisions and footholds, where physics runs",

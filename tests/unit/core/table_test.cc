@@ -6,12 +6,9 @@ namespace atlas::core {
 namespace {
 
 TEST(Table, CellsAreWrittenByTheirColumns) {
-  const std::vector<Column> columns = {{"scan", "", ""},
-                                       {"distance_m", "m", "", 2},
-                                       {"gain", "", "", 3, Column::Format::kSignificant},
-                                       {"flat", "", ""},
-                                       {"word", "", ""},
-                                       {"absent", "", ""}};
+  const std::vector<Column> columns = {
+      {"scan", "", ""}, {"distance_m", "m", "", 2}, {"gain", "", "", 3, Column::Format::kSignificant},
+      {"flat", "", ""}, {"word", "", ""},           {"absent", "", ""}};
   Row row;
   row.Set("word", "a, b");
   row.Set("distance_m", 1.005);

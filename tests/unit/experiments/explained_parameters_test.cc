@@ -39,7 +39,7 @@ std::string Remains(const fs::path& folder) {
   return digest.text();
 }
 
-class ExplainedParameters : public testing::Test {
+class ExplainedParameters : public ::testing::Test {
  protected:
   ExplainedParameters()
       : probe_([this](const std::vector<std::string>& set) { return missions_.LoadBare(set); },

@@ -110,11 +110,11 @@ std::vector<tests::PlacedSpins> SweepsOfABlock() {
     void OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) override { sweep.spins.push_back(*spin); }
     tests::PlacedSpins sweep;
   };
-  testing::PatchWorld world;
+  tests::PatchWorld world;
   world.AddRectangle(-6, -3, 3, 3, 0);
   world.AddBox({-0.3, -0.3, 0}, {0.3, 0.3, 0.9});
   world.AddBox({-0.4, 0.35, 0.3}, {0.0, 0.38, 0.6});
-  testing::TerrainSensors sensors(&world, 1);
+  tests::TerrainSensors sensors(&world, 1);
   std::vector<tests::PlacedSpins> sweeps;
   for (const Vec3& stand :
        {Vec3(-1.8, 0.0, kStance_m), Vec3(-1.1, 1.2, kStance_m), Vec3(-5.2, 0.0, kStance_m)}) {
@@ -226,8 +226,8 @@ TEST(ExplainedParts, OfTheMapOfARecordingAct) {
 
 /// A floor with all that may stop a robot: steps low and high, ramps gentle and steep, gravel, a pit and an
 /// edge, a gap.
-testing::PatchWorld RoughGround() {
-  testing::PatchWorld world;
+tests::PatchWorld RoughGround() {
+  tests::PatchWorld world;
   world.AddPlateWithHole(-3, -3, 3, 3, 0, {Vec3(1.0, -0.5, -1), Vec3(2.0, 0.5, 1)});
   world.AddRectangle(1.0, -0.5, 2.0, 0.5, -0.4);
   world.AddBox({-2.5, 1.0, 0}, {-1.5, 2.5, 0.18});
@@ -245,7 +245,7 @@ testing::PatchWorld RoughGround() {
 }
 
 struct Survey {
-  explicit Survey(const testing::PatchWorld& world) {
+  explicit Survey(const tests::PatchWorld& world) {
     struct Collector : core::SensorSink {
       explicit Collector(Survey* s) : survey(s) {}
       void OnState(const core::StateEvent& event) override { survey->states.push_back(event); }
@@ -254,7 +254,7 @@ struct Survey {
       }
       Survey* survey;
     } collector(this);
-    testing::TerrainSensors sensors(&world, 1);
+    tests::TerrainSensors sensors(&world, 1);
     sensors.column_stride = 3;
     for (const double x : {0.0, 0.4}) {
       sensors.Sweep(core::PoseFromXyzYaw(Vec3(x, 0, kStance_m), 0), core::Radians(40), 15, &collector);

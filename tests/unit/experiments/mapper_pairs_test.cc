@@ -7,8 +7,8 @@
 namespace atlas::experiments {
 namespace {
 
-using atlas::testing::Cell;
-using atlas::testing::RunOf;
+using atlas::tests::Cell;
+using atlas::tests::RunOf;
 
 class MapperPairsTest : public ::testing::Test {
  protected:

@@ -66,7 +66,7 @@ std::vector<std::string> RowsOf(const GroundImage& image) {
   return rows;
 }
 
-class GroundPlanFiles : public testing::Test {
+class GroundPlanFiles : public ::testing::Test {
  protected:
   ~GroundPlanFiles() override { fs::remove_all(folder_); }
 

@@ -95,8 +95,7 @@ TEST_F(RunRecorderTest, TheFinalStatusIsWrittenAfterEveryOtherFile) {
     for (const char* name : {"steps.csv", "coverage.svg"}) {
       fs::remove(folder_ / name);
       fs::create_directories(folder_ / name / "in the way");
-      EXPECT_THROW(recorder.Finish(RunStatus::kCompleted, StopReason::kGainExhausted),
-                   core::InputError);
+      EXPECT_THROW(recorder.Finish(RunStatus::kCompleted, StopReason::kGainExhausted), core::InputError);
       EXPECT_EQ(LoadRunSummary(folder_).status, RunStatus::kInterrupted) << name;
       fs::remove_all(folder_ / name);
     }

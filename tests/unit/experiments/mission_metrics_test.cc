@@ -223,8 +223,9 @@ TEST_F(MissionMetricsTest, ThePartsColumnsAreThoseOfTheirNames) {
   }
   ScanThatBrings(cloud);
   const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
-  const std::vector<double> shares = {summary.Number("coverage_attainable").value(), summary.Number("coverage").value(),
-                                      summary.Number("coverage_outer").value(), summary.Number("coverage_of_attainable").value()};
+  const std::vector<double> shares = {
+      summary.Number("coverage_attainable").value(), summary.Number("coverage").value(),
+      summary.Number("coverage_outer").value(), summary.Number("coverage_of_attainable").value()};
   for (size_t a = 0; a < shares.size(); ++a) {
     for (size_t b = 0; b < a; ++b) EXPECT_GT(std::abs(shares[a] - shares[b]), 0.005) << a << " " << b;
   }

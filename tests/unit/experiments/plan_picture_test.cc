@@ -29,7 +29,7 @@ Rgb At(const RgbImage& image, int u, int v) {
 
 /// A run's files as it leaves them, written by hand: cells of 0.5 m from (-1, 2), each kind twice side by
 /// side and unknown ground about them.
-class PlanPictures : public testing::Test {
+class PlanPictures : public ::testing::Test {
  protected:
   static constexpr int kCols = 24, kRows = 3;
   static constexpr double kCell_m = 0.5;
@@ -141,9 +141,9 @@ TEST_F(PlanPictures, RenderWritesItAsPng) {
   RenderArguments arguments;
   arguments.what = folder_.string();
   arguments.plan = true;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   const int code = RenderCommand(arguments);
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), (folder_ / "plan.png").string() + "\n");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), (folder_ / "plan.png").string() + "\n");
   EXPECT_EQ(code, 0);
   const std::string png = core::ReadFile(folder_ / "plan.png");
   ASSERT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");

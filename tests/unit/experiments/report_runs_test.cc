@@ -14,7 +14,7 @@ namespace atlas::experiments {
 namespace {
 namespace fs = std::filesystem;
 
-using atlas::testing::RunOf;
+using atlas::tests::RunOf;
 
 class ReportTest : public ::testing::Test {
  protected:

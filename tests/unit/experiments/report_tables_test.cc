@@ -14,8 +14,8 @@
 namespace atlas::experiments {
 namespace {
 
-using atlas::testing::Cell;
-using atlas::testing::RunOf;
+using atlas::tests::Cell;
+using atlas::tests::RunOf;
 
 /// Whether tags nest and close, attributes are quoted and no bare & stands in text: a small XML reader.
 bool WellFormed(const std::string& xml) {

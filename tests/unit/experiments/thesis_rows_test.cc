@@ -62,10 +62,10 @@ TEST(ThesisRows, NameEachChoiceThatDiffers) {
   EXPECT_TRUE(Names(DeviationsFromThesis(LoadExperiment("car", {"planner=thesis", "mission.max_scans=9"})),
                     "at most 9 scans"));
   const std::vector<std::pair<std::string, std::string>> changes = {
-      {"mapper=se_atlas", "se_atlas (OctoMap)"},   {"mapper.resolution_m=0.1", "0.1 m (0.05)"},
-      {"mapper.void_rays=clear", "void rays"},     {"mission.map_while_walking=true", "walk"},
-      {"planner.nodes=75", "150 in 12 m"},         {"planner.too_close_threshold_m=1.1", "d_thres"},
-      {"planner.visited_cost=false", "d_thres"},   {"planner.traversal=continuous", "traversal"}};
+      {"mapper=se_atlas", "se_atlas (OctoMap)"}, {"mapper.resolution_m=0.1", "0.1 m (0.05)"},
+      {"mapper.void_rays=clear", "void rays"},   {"mission.map_while_walking=true", "walk"},
+      {"planner.nodes=75", "150 in 12 m"},       {"planner.too_close_threshold_m=1.1", "d_thres"},
+      {"planner.visited_cost=false", "d_thres"}, {"planner.traversal=continuous", "traversal"}};
   for (const auto& [assignment, word] : changes) {
     const auto deviations = DeviationsFromThesis(LoadExperiment("car", {"planner=thesis", assignment}));
     EXPECT_GT(deviations.size(), faithful.size()) << assignment;

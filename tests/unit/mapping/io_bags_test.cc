@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using core::Vec3;
 using core::Vec3f;
-using testing::BagWriter;
+using tests::BagWriter;
 
 /// tests/data/ros_bags/make_bags.cc tells what is in them.
 std::string BagOfRos(const std::string& compression) {
@@ -156,13 +156,13 @@ BagWriter TwoClouds() {
   BagWriter writer;
   for (uint32_t s = 1; s < 3; ++s) {
     writer.Add("/p", "sensor_msgs/PointCloud2", s,
-               testing::CloudMessage(s, 1, 2, {1, 2, 3, static_cast<float>(s), 0, 0}));
+               tests::CloudMessage(s, 1, 2, {1, 2, 3, static_cast<float>(s), 0, 0}));
   }
   return writer;
 }
 
 TEST_F(BagsTest, EachKindOfPoseMessageIsRead) {
-  using testing::BagHeaderBytes, testing::PoseBytes, testing::Raw, testing::Sized;
+  using tests::BagHeaderBytes, tests::PoseBytes, tests::Raw, tests::Sized;
   const std::string covariance(36 * 8, '\0');
   const auto check = [&](const std::string& type, const std::function<std::string(uint32_t)>& message) {
     BagWriter writer = TwoClouds();
@@ -192,7 +192,7 @@ TEST_F(BagsTest, EachKindOfPoseMessageIsRead) {
 }
 
 TEST_F(BagsTest, TransformsGiveThePosesOfTheCloudsFrame) {
-  using testing::BagHeaderBytes, testing::PoseBytes, testing::Raw, testing::Sized;
+  using tests::BagHeaderBytes, tests::PoseBytes, tests::Raw, tests::Sized;
   const auto transform = [](uint32_t s, const std::string& parent, const std::string& child, double x) {
     return BagHeaderBytes(s, parent) + Sized(child) + PoseBytes(x);
   };
@@ -249,7 +249,7 @@ TEST_F(BagsTest, DamageIsToldInALine) {
 TEST_F(BagsTest, CloudsThatContradictThemselvesAreRefused) {
   const auto error_of = [&](uint32_t height, uint32_t width) {
     BagWriter writer;
-    writer.Add("/p", "sensor_msgs/PointCloud2", 1, testing::CloudMessage(1, height, width, {1, 2, 3}));
+    writer.Add("/p", "sensor_msgs/PointCloud2", 1, tests::CloudMessage(1, height, width, {1, 2, 3}));
     return ErrorOf(Write(writer.Bytes()));
   };
   EXPECT_EQ(error_of(1, 1), "");

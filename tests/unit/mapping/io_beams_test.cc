@@ -9,7 +9,7 @@
 namespace atlas::mapping {
 namespace {
 
-using testing::DriverQuirks;
+using tests::DriverQuirks;
 
 std::vector<DriverQuirks> AllQuirks() {
   std::vector<DriverQuirks> all;
@@ -29,8 +29,8 @@ std::vector<DriverQuirks> AllQuirks() {
 std::vector<RecordedCloud> Clouds(const core::LidarModel& model, const DriverQuirks& quirks, int count) {
   std::vector<RecordedCloud> clouds;
   for (int i = 0; i < count; ++i)
-    clouds.push_back(testing::RoomCloud(model, quirks, static_cast<uint64_t>(i + 1),
-                                        core::Vec3(0.4 * i, -0.2 * i, 0.1 * i)));
+    clouds.push_back(tests::RoomCloud(model, quirks, static_cast<uint64_t>(i + 1),
+                                      core::Vec3(0.4 * i, -0.2 * i, 0.1 * i)));
   return clouds;
 }
 
@@ -48,7 +48,7 @@ double WorstAngleDeg(const core::LidarModel& a, const core::LidarModel& b) {
 TEST(Beams, EstimatedWithinAFewHundredthsOfADegreeWhateverTheDriverDoes) {
   for (const char* name : {"os1_64", "vlp16"}) {
     for (const DriverQuirks& quirks : AllQuirks()) {
-      const core::LidarModel truth = testing::Presented(core::FindLidarModel(name), quirks);
+      const core::LidarModel truth = tests::Presented(core::FindLidarModel(name), quirks);
       const BeamFit fit = EstimateBeams(Clouds(truth, quirks, 3), "the log");
       EXPECT_EQ(fit.counter_clockwise, quirks.counter_clockwise);
       EXPECT_EQ(fit.measured_rows, truth.rows());
@@ -62,7 +62,7 @@ TEST(Beams, EstimatedWithinAFewHundredthsOfADegreeWhateverTheDriverDoes) {
 TEST(Beams, ATableIsTurnedAndShiftedToTheDriversColumns) {
   for (const DriverQuirks& quirks : AllQuirks()) {
     core::LidarModel table = core::FindLidarModel("os1_64");
-    const core::LidarModel truth = testing::Presented(table, quirks);
+    const core::LidarModel truth = tests::Presented(table, quirks);
     table.columns = 512;  // the recorded mode is another than the table's
     const BeamFit fit = FitBeams(table, Clouds(truth, quirks, 2), "the log");
     EXPECT_LT(WorstAngleDeg(fit.model, truth), 0.02);
@@ -74,7 +74,7 @@ TEST(Beams, ATableIsTurnedAndShiftedToTheDriversColumns) {
 TEST(Beams, RowsWithoutReturnsAreInterpolatedAndPartOfATurnIsNoTurn) {
   DriverQuirks quirks;
   quirks.point_noise_m = 0.005;
-  core::LidarModel truth = testing::Presented(core::FindLidarModel("os1_64"), quirks);
+  core::LidarModel truth = tests::Presented(core::FindLidarModel("os1_64"), quirks);
   truth.column_step_rad *= 0.25;  // a window of 90 degrees
   auto clouds = Clouds(truth, quirks, 2);
   for (RecordedCloud& cloud : clouds) {
@@ -91,7 +91,7 @@ TEST(Beams, RowsWithoutReturnsAreInterpolatedAndPartOfATurnIsNoTurn) {
 
 TEST(Beams, CloudsThatAreNoSpinningLidarsAreRefused) {
   const DriverQuirks quirks;
-  const core::LidarModel model = testing::Presented(core::FindLidarModel("vlp16"), quirks);
+  const core::LidarModel model = tests::Presented(core::FindLidarModel("vlp16"), quirks);
   const auto expect_refused = [](const std::vector<RecordedCloud>& clouds, const char* word) {
     try {
       EstimateBeams(clouds, "the log");
@@ -112,7 +112,7 @@ TEST(Beams, CloudsThatAreNoSpinningLidarsAreRefused) {
   for (core::Vec3f& p : empty.p_lidar) p.setConstant(std::nanf(""));
   expect_refused({empty}, "too few returns");
   auto other = core::FindLidarModel("os1_64");
-  expect_refused({clouds[0], testing::RoomCloud(testing::Presented(other, quirks), quirks, 1)}, "in one log");
+  expect_refused({clouds[0], tests::RoomCloud(tests::Presented(other, quirks), quirks, 1)}, "in one log");
   EXPECT_THROW(FitBeams(other, clouds, "the log"), core::InputError) << "16 rows are not 64";
   auto tilted = core::FindLidarModel("vlp16");
   for (double& e : tilted.elevation_rad) e += core::Radians(5.0);
@@ -132,7 +132,7 @@ TEST(OusterMetadata, AnglesInDegreesTurnClockwise) {
                           R"({"beam_altitude_angles": [1, 999], "beam_azimuth_angles": [1, 2]})"}) {
     EXPECT_THROW(ParseOusterMetadata(bad, "os.json"), core::InputError) << bad;
   }
-  if (const auto path = testing::SharedData("ouster/os1-64_fw2.1.2.json")) {
+  if (const auto path = tests::SharedData("ouster/os1-64_fw2.1.2.json")) {
     const core::LidarModel real = ReadOusterMetadata(*path);
     ASSERT_EQ(real.rows(), 64);
     EXPECT_NEAR(core::Degrees(real.elevation_rad.front()), 16.729, 1e-9);

@@ -168,7 +168,7 @@ TEST(Lzf, UnpacksLiteralsAndOverlappingCopies) {
   EXPECT_FALSE(LzfUnpack(std::string_view(packed).substr(0, 8), expected.size()));
   EXPECT_FALSE(LzfUnpack(packed, size_t{1} << 40));
   EXPECT_FALSE(LzfUnpack(std::string("\x20\x05\x00", 3), 3)) << "a copy from before the beginning";
-  if (const auto path = testing::SharedData("room_pair/room_scan1.pcd")) {  // by the Point Cloud Library
+  if (const auto path = tests::SharedData("room_pair/room_scan1.pcd")) {  // by the Point Cloud Library
     const RecordedCloud cloud = ReadCloud(*path);
     EXPECT_EQ(cloud.size(), 112586u);
     core::Box3 box;

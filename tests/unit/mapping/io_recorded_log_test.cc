@@ -176,7 +176,7 @@ TEST_F(RecordedLogTest, RelationsBetweenCloudsArePoses) {
   ASSERT_EQ(log.size(), 2u);
   EXPECT_LT((log.T_map_lidar(0) * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm(), 1e-9);
   EXPECT_TRUE(log.T_map_lidar(1).matrix().isIdentity(0.0));
-  if (const auto pair = testing::SharedData("scan_pair")) {
+  if (const auto pair = tests::SharedData("scan_pair")) {
     options.scans = pair->string();
     const RecordedLog real(options);
     ASSERT_EQ(real.size(), 2u);
@@ -269,10 +269,10 @@ TEST_F(RecordedLogTest, WithoutATrajectoryAScanHasOnePose) {
 }
 
 TEST_F(RecordedLogTest, WhatNoReturnMeansIsTheCallersWordWhereTheFileIsSilent) {
-  testing::DriverQuirks quirks;
+  tests::DriverQuirks quirks;
   quirks.missing = 0.2;
-  const core::LidarModel model = testing::Presented(core::FindLidarModel("vlp16"), quirks);
-  const RecordedCloud cloud = testing::RoomCloud(model, quirks, 3);
+  const core::LidarModel model = tests::Presented(core::FindLidarModel("vlp16"), quirks);
+  const RecordedCloud cloud = tests::RoomCloud(model, quirks, 3);
   Write("a.pcd", CloudToPcd(cloud, CloudEncoding::kBinaryCompressed));
   RecordedLogOptions options;
   options.scans = Path("a.pcd");
@@ -304,9 +304,9 @@ TEST_F(RecordedLogTest, WhatNoReturnMeansIsTheCallersWordWhereTheFileIsSilent) {
 }
 
 TEST_F(RecordedLogTest, FiringsInRowsAreTurnedToColumns) {
-  const testing::DriverQuirks quirks;
-  const core::LidarModel model = testing::Presented(core::FindLidarModel("vlp16"), quirks);
-  const RecordedCloud cloud = testing::RoomCloud(model, quirks, 3);
+  const tests::DriverQuirks quirks;
+  const core::LidarModel model = tests::Presented(core::FindLidarModel("vlp16"), quirks);
+  const RecordedCloud cloud = tests::RoomCloud(model, quirks, 3);
   RecordedCloud turned = cloud;
   std::swap(turned.rows, turned.columns);
   for (int r = 0; r < cloud.rows; ++r) {

@@ -52,7 +52,7 @@ TEST(ScanGraph, ReadsWhatTheOctomapLibraryWrites) {
   octomap::ScanGraph graph;
   const std::string bytes = GraphByLibrary(&graph);
   ExpectEqualsLibrary(bytes, graph, 1e-4);
-  if (const auto path = testing::SharedData("octomap/spherical_scan.graph")) {
+  if (const auto path = tests::SharedData("octomap/spherical_scan.graph")) {
     octomap::ScanGraph real;
     ASSERT_TRUE(real.readBinary(path->string()));
     const std::string real_bytes = core::ReadFile(*path);

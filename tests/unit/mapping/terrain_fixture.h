@@ -11,8 +11,8 @@ namespace atlas::mapping {
 
 constexpr double kStance = 0.44;
 
-inline testing::PatchWorld FlatWorld() {
-  testing::PatchWorld world;
+inline tests::PatchWorld FlatWorld() {
+  tests::PatchWorld world;
   world.AddRectangle(-20, -20, 20, 20, 0);
   return world;
 }
@@ -25,11 +25,11 @@ struct Survey {
 };
 
 /// A map after sweeps from these points on the ground of a world.
-inline std::unique_ptr<ElevationMap> MapAfterSweeps(const testing::PatchWorld& world,
+inline std::unique_ptr<ElevationMap> MapAfterSweeps(const tests::PatchWorld& world,
                                                     const std::vector<core::Vec3>& stands,
                                                     const Survey& survey) {
   auto map = std::make_unique<ElevationMap>(TerrainParams{}, core::RobotExtent{});
-  testing::TerrainSensors sensors(&world, survey.seed);
+  tests::TerrainSensors sensors(&world, survey.seed);
   const core::Vec3 up(0, 0, kStance);
   map->InitialiseUnderRobot(core::PoseFromXyzYaw(stands.front() + up, 0));
   for (const core::Vec3& stand : stands) {

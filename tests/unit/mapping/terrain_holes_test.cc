@@ -12,8 +12,8 @@ using core::PoseFromXyzYaw;
 using core::Radians;
 using core::Vec2;
 using core::Vec3;
-using testing::PatchWorld;
-using testing::TerrainSensors;
+using tests::PatchWorld;
+using tests::TerrainSensors;
 
 constexpr double kCell = 0.04;
 

@@ -13,8 +13,8 @@ using core::PoseFromXyzYaw;
 using core::Radians;
 using core::Vec2;
 using core::Vec3;
-using testing::PatchWorld;
-using testing::TerrainSensors;
+using tests::PatchWorld;
+using tests::TerrainSensors;
 
 struct Statistics {
   double known_share = 0.0, mean = 0.0, deviation = 0.0, traversable_share = 0.0;

@@ -12,8 +12,8 @@ using core::PoseFromXyzYaw;
 using core::Radians;
 using core::Vec2;
 using core::Vec3;
-using testing::PatchWorld;
-using testing::TerrainSensors;
+using tests::PatchWorld;
+using tests::TerrainSensors;
 
 std::unique_ptr<ElevationMap> MapOf(const PatchWorld& world, const std::vector<Vec3>& stands) {
   return MapAfterSweeps(world, stands, {.seed = 11});

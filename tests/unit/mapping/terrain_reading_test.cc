@@ -16,8 +16,8 @@ using core::PoseFromXyzYaw;
 using core::Radians;
 using core::Vec2;
 using core::Vec3;
-using testing::PatchWorld;
-using testing::TerrainSensors;
+using tests::PatchWorld;
+using tests::TerrainSensors;
 
 TEST(TerrainReading, HeightsBetweenCentresRiseAsTheGroundDoes) {
   const Vec2 slope(0.12, 0.08);

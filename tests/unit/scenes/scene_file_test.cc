@@ -17,7 +17,7 @@ namespace {
 
 using core::Vec3;
 
-const std::filesystem::path kExample = atlas::testing::SourceTree() / "scenes/examples/arch.yaml";
+const std::filesystem::path kExample = atlas::tests::SourceTree() / "scenes/examples/arch.yaml";
 
 class SceneFile : public ::testing::Test {
  protected:
