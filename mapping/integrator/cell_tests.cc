@@ -15,26 +15,29 @@ constexpr float kPierceCone =
     2.0f;  ///< voxels between beams: wider, and the few voxels that they pierce do not count
 constexpr float kWindowShare = 0.75f;  ///< of a cell's width that the veto window must cover
 
-HWY_INLINE CellImages ImagesFor(const ScanImage& image, const ScanFrame& frame, float distance, int scale) {
+HWY_INLINE CellImages ImagesFor(const FreeSpaceTables& tables, const ScanFrame& frame, float distance,
+                                int scale) {
   const size_t s = scale == 1 ? 0 : scale == 2 ? 1 : 2;
   size_t level = 1;
   if (scale == 1) {
     const float nearest = std::max(distance - 0.5f * kBlockRadius * frame.resolution_m, 0.3f);
-    const float width = frame.resolution_m / (static_cast<float>(image.grid->min_pitch_rad) * nearest);
-    while (level + 1 < ScanImage::kLevels && static_cast<float>(1 << level) < kWindowShare * width + 1.0f)
+    const float width =
+        frame.resolution_m / (static_cast<float>(tables.image->grid->min_pitch_rad) * nearest);
+    while (level + 1 < FreeSpaceTables::kLevels &&
+           static_cast<float>(1 << level) < kWindowShare * width + 1.0f)
       ++level;
   }
   CellImages images;
-  images.image = &image;
-  images.own = image.own[s].data();
-  images.around = level == 1 ? image.surround[s].data() : image.window[level].data();
-  images.pitch = static_cast<float>(image.pitch);
-  images.columns = image.columns;
-  images.row_offset = static_cast<float>(image.window_rows[level] / 2 - 1);
-  images.columns_before = image.window_columns[level] / 2 - 1;
-  images.rows_end = static_cast<float>(image.rows) - 0.5f;
-  const float radius = image.pierce_voxels * static_cast<float>(scale) * frame.resolution_m;
-  const float cone = distance * static_cast<float>(image.grid->min_pitch_rad);
+  images.tables = &tables;
+  images.own = tables.own[s].data();
+  images.around = level == 1 ? tables.surround[s].data() : tables.window[level].data();
+  images.pitch = static_cast<float>(tables.pitch);
+  images.columns = tables.image->columns;
+  images.row_offset = static_cast<float>(tables.window_rows[level] / 2 - 1);
+  images.columns_before = tables.window_columns[level] / 2 - 1;
+  images.rows_end = static_cast<float>(tables.image->rows) - 0.5f;
+  const float radius = tables.pierce_voxels * static_cast<float>(scale) * frame.resolution_m;
+  const float cone = distance * static_cast<float>(tables.image->grid->min_pitch_rad);
   images.pierce2 = cone < kPierceCone * frame.resolution_m ? radius * radius : 0.0f;
   return images;
 }
@@ -65,7 +68,7 @@ struct Verdict {
 /// that their nearest beam passes through.
 HWY_INLINE Verdict TestAround(DF d, const CellImages& images, const GridPoint& p, uint32_t in) {
   const DI di;
-  const ScanImage& image = *images.image;
+  const FreeSpaceTables& tables = *images.tables;
   const VF half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f);
   const VF v = hn::Max(p.v, hn::Neg(half));
   const VF upper = hn::Add(hn::Floor(hn::Add(v, one)), hn::Set(d, images.row_offset));
@@ -83,10 +86,10 @@ HWY_INLINE Verdict TestAround(DF d, const CellImages& images, const GridPoint& p
   const VF wrapped = hn::IfThenElse(hn::Lt(column, columns), column, hn::Sub(column, columns));
   const VI row_index = hn::ConvertTo(di, row);
   const VI cell = hn::ConvertTo(di, hn::Add(hn::Mul(row, columns), wrapped));
-  const Offsets ray = UnpackOffsets(d, hn::GatherIndex(di, image.offset.data(), cell));
-  const VF row_pitch = hn::GatherIndex(d, image.grid->row_pitch_rad.data(), row_index);
-  const VF cosine = hn::GatherIndex(d, image.grid->cos_elevation.data(), row_index);
-  const VF pitch = hn::Mul(hn::Set(d, static_cast<float>(image.grid->column_pitch_rad)), cosine);
+  const Offsets ray = UnpackOffsets(d, hn::GatherIndex(di, tables.image->offset.data(), cell));
+  const VF row_pitch = hn::GatherIndex(d, tables.image->grid->row_pitch_rad.data(), row_index);
+  const VF cosine = hn::GatherIndex(d, tables.image->grid->cos_elevation.data(), row_index);
+  const VF pitch = hn::Mul(hn::Set(d, static_cast<float>(tables.image->grid->column_pitch_rad)), cosine);
   const VF eu = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.u, column), ray.u), pitch), p.distance);
   const VF ev = hn::Mul(hn::Mul(hn::Sub(hn::Sub(p.v, row), ray.v), row_pitch), p.distance);
   const MF through = hn::Lt(hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev)), hn::Set(d, images.pierce2));
@@ -156,10 +159,10 @@ HWY_INLINE void TestLattice(const CellImages& images, const Lattice& lattice, co
   }
 }
 
-void TestBlockVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+void TestBlockVoxels(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey& corner,
                      const OctantTests& tests, int first, uint32_t octants, VoxelBits* free) {
   const Place place = PlaceOf(frame, corner, kBlockSide);
-  const CellImages images = ImagesFor(image, frame, place.distance, 1);
+  const CellImages images = ImagesFor(tables, frame, place.distance, 1);
   uint32_t smooth = octants & tests.cubes.smooth >> first;
   if (images.columns_before > kColumnsSpare) smooth = 0;
   for (uint32_t bits = smooth; bits != 0; bits &= bits - 1) {
@@ -174,25 +177,26 @@ void TestBlockVoxels(const ScanImage& image, const ScanFrame& frame, const NodeK
   float step_x[3];
   Turn(place.turn, frame.axis[0], step_x);
   if (place.near) {
-    TestLattice(images, lattice, step_x, NearProjector{*image.grid}, octants, free);
+    TestLattice(images, lattice, step_x, NearProjector{*tables.image->grid}, octants, free);
   } else {
     FarProjector projector;
-    SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
+    SetProjector(*tables.image->grid, place, kBlockRadius * frame.resolution_m, &projector);
     TestLattice(images, lattice, step_x, projector, octants, free);
   }
 }
 
-uint64_t TestBlockCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+uint64_t TestBlockCells(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey& corner,
                         const CubeSlopes* slopes, size_t lane) {
   const Place place = PlaceOf(frame, corner, kBlockSide);
-  const CellImages images = ImagesFor(image, frame, place.distance, 2);
+  const CellImages images = ImagesFor(tables, frame, place.distance, 2);
   if (slopes != nullptr) return TestSmooth(images, SlopesOf(*slopes, lane), 2.0f).clear;
   const float still[2] = {1.0f, 0.0f};
   const Lattice lattice = LatticeOf(frame, frame.lanes_2, corner, 2, still);
-  return TestGroups(images, lattice, NearProjector{*image.grid}, lattice.first, lattice.step_z, 4).clear;
+  return TestGroups(images, lattice, NearProjector{*tables.image->grid}, lattice.first, lattice.step_z, 4)
+      .clear;
 }
 
-uint32_t TestBlockPair(const ScanImage& image, const ScanFrame& frame, const NodeKey corner[2]) {
+uint32_t TestBlockPair(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey corner[2]) {
   const float still[2] = {1.0f, 0.0f};
   Lattice lattice = LatticeOf(frame, frame.lanes_4, corner[0], 4, still);
   const float apart[3] = {static_cast<float>(corner[1].x - corner[0].x),
@@ -203,9 +207,9 @@ uint32_t TestBlockPair(const ScanImage& image, const ScanFrame& frame, const Nod
         apart[0] * frame.axis[0][c] + apart[1] * frame.axis[1][c] + apart[2] * frame.axis[2][c];
     for (size_t i = 8; i < kGroup; ++i) lattice.lane[c][i] += across;
   }
-  const CellImages images = ImagesFor(image, frame, PlaceOf(frame, corner[0], kBlockSide).distance, 4);
+  const CellImages images = ImagesFor(tables, frame, PlaceOf(frame, corner[0], kBlockSide).distance, 4);
   const GroupBits bits =
-      TestGroups(images, lattice, NearProjector{*image.grid}, lattice.first, lattice.step_z, 1);
+      TestGroups(images, lattice, NearProjector{*tables.image->grid}, lattice.first, lattice.step_z, 1);
   return static_cast<uint32_t>(bits.clear);
 }
 
@@ -238,18 +242,18 @@ void ScanFrame::SetLanes() {
   set(4, 2, 2, &lanes_4);
 }
 
-void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+void TestVoxels(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey& corner,
                 const OctantTests& tests, int first, uint32_t octants, VoxelBits* free) {
-  HWY_DYNAMIC_DISPATCH(TestBlockVoxels)(image, frame, corner, tests, first, octants, free);
+  HWY_DYNAMIC_DISPATCH(TestBlockVoxels)(tables, frame, corner, tests, first, octants, free);
 }
 
-uint64_t TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+uint64_t TestCells(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey& corner,
                    const CubeSlopes* slopes, size_t lane) {
-  return HWY_DYNAMIC_DISPATCH(TestBlockCells)(image, frame, corner, slopes, lane);
+  return HWY_DYNAMIC_DISPATCH(TestBlockCells)(tables, frame, corner, slopes, lane);
 }
 
-uint32_t TestWideCells(const ScanImage& image, const ScanFrame& frame, const NodeKey corner[2]) {
-  return HWY_DYNAMIC_DISPATCH(TestBlockPair)(image, frame, corner);
+uint32_t TestWideCells(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey corner[2]) {
+  return HWY_DYNAMIC_DISPATCH(TestBlockPair)(tables, frame, corner);
 }
 
 }  // namespace atlas::mapping

@@ -35,14 +35,14 @@ class TsdfEvidence {
   uint64_t Candidates(size_t) const { return 0; }
   const int16_t* Of(int block, const NodeKey& corner, int scale) {
     if (!mixed_.Test(block)) return nullptr;
-    const bool any = MeasureDistances(*context_.image, *context_.frame, corner,
+    const bool any = MeasureDistances(*context_.surface, *context_.frame, corner,
                                       context_.truncation_m * static_cast<float>(scale),
                                       context_.distance_unit_m, measured_);
     return any ? measured_ : nullptr;
   }
   /// Of cells of 2^3.
   const int16_t* OfCells(const NodeKey& corner, int scale) {
-    const bool any = MeasureCellDistances(*context_.image, *context_.frame, corner,
+    const bool any = MeasureCellDistances(*context_.surface, *context_.frame, corner,
                                           context_.truncation_m * static_cast<float>(scale),
                                           context_.distance_unit_m, measured_);
     return any ? measured_ : nullptr;
@@ -226,14 +226,14 @@ class Filler {
         wide_[0] = block;
         wide_[1] = NextOf(work_.blocks.four_apart, block);
         const NodeKey corners[2] = {CornerOf(block), CornerOf(wide_[1])};
-        wide_cells_ = TestWideCells(*context_.image, *context_.frame, corners);
+        wide_cells_ = TestWideCells(*context_.tables, *context_.frame, corners);
       }
       return ToCells(wide_cells_ >> (block == wide_[0] ? 0 : 8) & 0xff);
     }
     if ((block >> 6) != slopes_word_ || (slopes_of_ >> (block & 63) & 1) == 0) FindSlopes(block);
     const auto lane =
         static_cast<size_t>(__builtin_popcountll(slopes_of_ & ((uint64_t{1} << (block & 63)) - 1)));
-    return TestCells(*context_.image, *context_.frame, CornerOf(block),
+    return TestCells(*context_.tables, *context_.frame, CornerOf(block),
                      smooth_ >> lane & 1 ? &slopes_ : nullptr, lane);
   }
 
@@ -251,7 +251,7 @@ class Filler {
       slopes_of_ |= rest & -rest;
       corners[count++] = CornerOf(static_cast<int>(64 * word) + __builtin_ctzll(rest));
     }
-    smooth_ = FindBlockSlopes(*context_.image, *context_.frame, corners, count, &slopes_);
+    smooth_ = FindBlockSlopes(*context_.tables, *context_.frame, corners, count, &slopes_);
   }
 
   /// The mixed block of `kind` after this one in its word; itself where there is none.
@@ -270,7 +270,7 @@ class Filler {
       tested_[0] = block;
       tested_[1] = next_;
       const NodeKey corners[2] = {corner, CornerOf(next_)};
-      TestOctants(*context_.image, *context_.frame, corners, &octants_);
+      TestOctants(*context_.tables, *context_.frame, corners, &octants_);
     }
     const int first = block == tested_[0] ? 0 : 8;
     uint32_t full = octants_.cubes.full >> first & 0xff;
@@ -279,7 +279,7 @@ class Filler {
     }
     VoxelBits free = ToVoxels(ToCells(full));
     const uint32_t mixed = octants_.cubes.mixed >> first & 0xff & ~full;
-    if (mixed != 0) TestVoxels(*context_.image, *context_.frame, corner, octants_, first, mixed, &free);
+    if (mixed != 0) TestVoxels(*context_.tables, *context_.frame, corner, octants_, first, mixed, &free);
     return free;
   }
 

@@ -10,7 +10,8 @@ namespace atlas::mapping {
 
 /// What every chunk of a scan shares. Read-only while chunks are filled, by any number of threads.
 struct FillContext {
-  const ScanImage* image = nullptr;
+  const FreeSpaceTables* tables = nullptr;
+  const SurfaceImage* surface = nullptr;
   const ScanFrame* frame = nullptr;
   const HitScatter* hits = nullptr;
   NodeKey keep_min, keep_max;  ///< window coordinates of the kept voxels, [min, max)

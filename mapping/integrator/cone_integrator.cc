@@ -7,7 +7,7 @@
 #include "mapping/integrator/dynamic_loop.h"
 #include "mapping/integrator/hit_scatter.h"
 #include "mapping/integrator/integrator.h"
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/scan_memory.h"
 
 namespace atlas::mapping {
 namespace {
@@ -16,9 +16,8 @@ template <typename Field>
 class ConeIntegrator final : public ScanIntegrator<Field> {
  public:
   ConeIntegrator(const IntegratorParams& params, const core::LidarModel& lidar)
-      : params_(params), grid_(MakeBeamGrid(lidar)) {
-    PrepareImage(grid_, &image_);
-    image_.pierce_voxels = static_cast<float>(params.pierce_voxels);
+      : params_(params), grid_(MakeBeamGrid(lidar)), image_(grid_), surface_(image_), tables_(image_) {
+    tables_.pierce_voxels = static_cast<float>(params.pierce_voxels);
   }
 
   void Integrate(const core::SpinEvent& spin, const core::Pose& T_map_odom, Octree<Field>* map) override {
@@ -35,13 +34,13 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     PosesOfScan(spin, params_.motion_aware, &poses_);
     const core::Pose T_map_lidar = T_map_odom * poses_.T_odom_mid;
     KeepColumns(params_.region_map, T_map_lidar, &image_);
-    RemapScan(spin.scan, poses_, options, &image_);
+    Remap(spin.scan, options);
     // At the farthest return beams are apart_m apart; wider cells are never used, so their tables are
     // skipped.
     const double apart_m = static_cast<double>(image_.reach_m) * grid_.min_pitch_rad;
     while (options.max_scale > 1 && options.max_scale * resolution > apart_m) options.max_scale /= 2;
-    FindPlanes(T_map_lidar.linear(), options, &image_);
-    BuildTables(options, &image_);
+    FindPlanes(T_map_lidar.linear(), options, image_, {&surface_, &tables_});
+    BuildTables(options, surface_, &tables_);
     hits_.Place(image_, T_map_lidar, resolution, &frame_);
     stats_.image_ms = lap();
 
@@ -53,7 +52,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     ForEachDynamic(params_.threads, work_.size() + 1, [&](size_t i, int) {
       if (i > 0) return TestChunkBlocks(&work_[i - 1]);
       if constexpr (kOccupancy)
-        hits_.Scatter(image_, frame_, SurfaceModel::Of(params_, resolution), context.keep_min,
+        hits_.Scatter(surface_, frame_, SurfaceModel::Of(params_, resolution), context.keep_min,
                       context.keep_max);
     });
     stats_.hit_ms = lap();
@@ -67,6 +66,14 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
 
  private:
   static constexpr bool kOccupancy = std::is_same_v<Field, OccupancyField>;
+
+  /// Thesis 4.5.3: rays to where they point from the middle of the scan, then to the cells nearest to them.
+  void Remap(const core::LidarScan& scan, const ImageOptions& options) {
+    const MemoryLoan loan(scan.size(), &surface_, &tables_, &rays_, &bins_);
+    ProjectScan({scan, poses_, options, grid_}, &rays_);
+    BinRays(image_, rays_, &bins_);
+    MatchCells(rays_, options, &bins_, &image_);
+  }
 
   bool Touched(const ChunkWork& work) const { return kOccupancy && hits_.Touched(work.index) != nullptr; }
 
@@ -98,7 +105,8 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
 
   FillContext ContextFor(double resolution) const {
     FillContext c;
-    c.image = &image_;
+    c.tables = &tables_;
+    c.surface = &surface_;
     c.frame = &frame_;
     c.hits = &hits_;
     c.rules.miss_units = OccupancyField::StepsOf(params_.miss_nats);
@@ -172,7 +180,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
       y[i] = static_cast<float>(group_[i].window.y * kChunkSide + kChunkSide / 2);
       z[i] = static_cast<float>(group_[i].window.z * kChunkSide + kChunkSide / 2);
     }
-    const CubeTests tests = TestBoxes(image_, frame_, x, y, z, kChunkSide / 2);
+    const CubeTests tests = TestBoxes(tables_, frame_, x, y, z, kChunkSide / 2);
     for (size_t i = 0; i < group_.size(); ++i) {
       ChunkWork& w = group_[i];
       const bool inside = Inside(context, w.window);
@@ -198,7 +206,7 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
     if (work->all_full) {
       work->blocks.full.bits.fill(~uint64_t{0});
     } else if (work->tested) {
-      TestBlocks(image_, frame_, corner, &work->blocks);
+      TestBlocks(tables_, frame_, corner, &work->blocks);
     }
   }
 
@@ -218,7 +226,11 @@ class ConeIntegrator final : public ScanIntegrator<Field> {
   IntegratorParams params_;
   BeamGrid grid_;
   ColumnPoses poses_;
-  ScanImage image_;
+  RayBundle rays_;
+  RayBins bins_;
+  RangeImage image_;
+  SurfaceImage surface_;
+  FreeSpaceTables tables_;
   ScanFrame frame_;
   HitScatter hits_;
   std::vector<ChunkWork> work_, group_;

@@ -25,8 +25,9 @@ HWY_INLINE bool StoreNone(DF, int16_t* out) {
 
 /// Distances of Lanes(d) voxels at (x, y, z) in the turned frame; stores them; true where any is within
 /// the truncation.
-HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules& rules, const GridPoint& p,
-                              VF x, VF y, VF z, const float turn[2], int16_t* out) {
+HWY_INLINE bool MeasureVector(DF d, const SurfaceImage& surface, const DistanceRules& rules,
+                              const GridPoint& p, VF x, VF y, VF z, const float turn[2], int16_t* out) {
+  const RangeImage& image = *surface.image;
   const DI di;
   const hn::Rebind<int16_t, DF> d16;
   const VF half = hn::Set(d, 0.5f), none = hn::Set(d, static_cast<float>(kNoDistance));
@@ -44,7 +45,7 @@ HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules&
   // Behind the return the plane holds as far as the next beams' returns may lie: no farther, or the far side
   // of a thin or round thing would be taken for its inside. In front, no farther than a beam at that
   // incidence needs to come within the truncation.
-  const VF grazing = hn::GatherIndex(d, image.inverse_cos.data(), cell);
+  const VF grazing = hn::GatherIndex(d, surface.inverse_cos.data(), cell);
   const VF pitch = hn::Set(d, 0.5f * static_cast<float>(image.grid->mean_row_pitch_rad));
   const VF gap = hn::Mul(hn::Mul(range, pitch), grazing);
   const VF past = hn::Sub(p.distance, range);
@@ -53,8 +54,8 @@ HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules&
       hn::And(hn::Lt(past, hn::Add(far, gap)),
               hn::Lt(hn::Neg(past), hn::Add(gap, hn::Mul(hn::Mul(far, hn::Set(d, kFrontShare)), grazing)))));
   if (hn::AllFalse(d, reached)) return StoreNone(d, out);
-  const VF nx = hn::GatherIndex(d, image.nx.data(), cell), ny = hn::GatherIndex(d, image.ny.data(), cell),
-           nz = hn::GatherIndex(d, image.nz.data(), cell);
+  const VF nx = hn::GatherIndex(d, surface.nx.data(), cell), ny = hn::GatherIndex(d, surface.ny.data(), cell),
+           nz = hn::GatherIndex(d, surface.nz.data(), cell);
   const VF px = hn::GatherIndex(d, image.x.data(), cell), py = hn::GatherIndex(d, image.y.data(), cell),
            pz = hn::GatherIndex(d, image.z.data(), cell);
   // Back from the turned frame.
@@ -73,7 +74,7 @@ HWY_INLINE bool MeasureVector(DF d, const ScanImage& image, const DistanceRules&
 
 /// Groups of 16 cells: `rows` of them a layer.
 template <typename Projector>
-HWY_INLINE bool MeasureLayers(const ScanImage& image, const DistanceRules& rules, const Lattice& lattice,
+HWY_INLINE bool MeasureLayers(const SurfaceImage& surface, const DistanceRules& rules, const Lattice& lattice,
                               int rows, int layers, const Projector& projector, int16_t* out) {
   const DF d;
   bool any = false;
@@ -87,33 +88,33 @@ HWY_INLINE bool MeasureLayers(const ScanImage& image, const DistanceRules& rules
           at[c] = hn::Add(hn::Set(d, base), hn::Load(d, lattice.lane[c] + i));
         }
         const GridPoint p = projector.Project(d, at[0], at[1], at[2]);
-        any |= MeasureVector(d, image, rules, p, at[0], at[1], at[2], lattice.turn, out + i);
+        any |= MeasureVector(d, surface, rules, p, at[0], at[1], at[2], lattice.turn, out + i);
       }
     }
   }
   return any;
 }
 
-HWY_INLINE bool Measure(const ScanImage& image, const ScanFrame& frame, const ScanFrame::Lanes& lanes,
+HWY_INLINE bool Measure(const SurfaceImage& surface, const ScanFrame& frame, const ScanFrame::Lanes& lanes,
                         const NodeKey& corner, int scale, const DistanceRules& rules, int16_t* out) {
   const Place place = PlaceOf(frame, corner, kBlockSide);
   const Lattice lattice = LatticeOf(frame, lanes, corner, scale, place.turn);
   const int rows = scale == 1 ? 4 : 1, layers = kBlockSide / scale;
   if (place.near) {
-    return MeasureLayers(image, rules, lattice, rows, layers, NearProjector{*image.grid}, out);
+    return MeasureLayers(surface, rules, lattice, rows, layers, NearProjector{*surface.image->grid}, out);
   }
   FarProjector projector;
-  SetProjector(*image.grid, place, kBlockRadius * frame.resolution_m, &projector);
-  return MeasureLayers(image, rules, lattice, rows, layers, projector, out);
+  SetProjector(*surface.image->grid, place, kBlockRadius * frame.resolution_m, &projector);
+  return MeasureLayers(surface, rules, lattice, rows, layers, projector, out);
 }
 
-bool MeasureBlock(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, float truncation_m,
-                  float unit_m, int16_t* out) {
-  return Measure(image, frame, frame.lanes_1, corner, 1, {truncation_m, 1.0f / unit_m}, out);
+bool MeasureBlock(const SurfaceImage& surface, const ScanFrame& frame, const NodeKey& corner,
+                  float truncation_m, float unit_m, int16_t* out) {
+  return Measure(surface, frame, frame.lanes_1, corner, 1, {truncation_m, 1.0f / unit_m}, out);
 }
-bool MeasureBlockCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+bool MeasureBlockCells(const SurfaceImage& surface, const ScanFrame& frame, const NodeKey& corner,
                        float truncation_m, float unit_m, int16_t* out) {
-  return Measure(image, frame, frame.lanes_2, corner, 2, {truncation_m, 1.0f / unit_m}, out);
+  return Measure(surface, frame, frame.lanes_2, corner, 2, {truncation_m, 1.0f / unit_m}, out);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -127,14 +128,14 @@ HWY_EXPORT(MeasureBlock);
 HWY_EXPORT(MeasureBlockCells);
 }  // namespace
 
-bool MeasureDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+bool MeasureDistances(const SurfaceImage& surface, const ScanFrame& frame, const NodeKey& corner,
                       float truncation_m, float unit_m, int16_t* out) {
-  return HWY_DYNAMIC_DISPATCH(MeasureBlock)(image, frame, corner, truncation_m, unit_m, out);
+  return HWY_DYNAMIC_DISPATCH(MeasureBlock)(surface, frame, corner, truncation_m, unit_m, out);
 }
 
-bool MeasureCellDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+bool MeasureCellDistances(const SurfaceImage& surface, const ScanFrame& frame, const NodeKey& corner,
                           float truncation_m, float unit_m, int16_t* out) {
-  return HWY_DYNAMIC_DISPATCH(MeasureBlockCells)(image, frame, corner, truncation_m, unit_m, out);
+  return HWY_DYNAMIC_DISPATCH(MeasureBlockCells)(surface, frame, corner, truncation_m, unit_m, out);
 }
 
 }  // namespace atlas::mapping

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/free_space_tables.h"
 #include "mapping/integrator/voxel_bits.h"
 #include "mapping/octree/octree.h"
 
@@ -42,7 +42,7 @@ struct CubeTests {
   uint32_t smooth = 0;                     ///< its CubeSlopes hold, where they were asked for
 };
 /// @param x, y, z  centres in window coordinates.
-CubeTests TestBoxes(const ScanImage& image, const ScanFrame& frame, const float* x, const float* y,
+CubeTests TestBoxes(const FreeSpaceTables& tables, const ScanFrame& frame, const float* x, const float* y,
                     const float* z, float half_side_voxels);
 
 /// Grid coordinates within 16 cubes by first order: at their middles, and what a voxel along each map axis
@@ -61,18 +61,20 @@ struct OctantTests {
   CubeTests cubes;
   CubeSlopes slopes;
 };
-void TestOctants(const ScanImage& image, const ScanFrame& frame, const NodeKey corner[2], OctantTests* out);
+void TestOctants(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey corner[2],
+                 OctantTests* out);
 
 /// What the blocks of a chunk are to a scan, as CubeTests.
 struct BlockTests {
   BlockMask mixed, full, two_apart, four_apart;
 };
 /// @param corner  of the chunk, window coordinates.
-void TestBlocks(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner, BlockTests* out);
+void TestBlocks(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey& corner,
+                BlockTests* out);
 
 /// First order within up to 16 blocks, for their cells of 2^3 voxels. Returns the lanes where it holds.
-uint32_t FindBlockSlopes(const ScanImage& image, const ScanFrame& frame, const NodeKey* corners, size_t count,
-                         CubeSlopes* out);
+uint32_t FindBlockSlopes(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey* corners,
+                         size_t count, CubeSlopes* out);
 
 /// A cell is free if its nearest beam returned behind it and no beam around it returned in front of it. Where
 /// beams around it did, a voxel is still free if its own beam pierces it, unless beams are voxels apart
@@ -80,22 +82,22 @@ uint32_t FindBlockSlopes(const ScanImage& image, const ScanFrame& frame, const N
 /// @{
 /// Adds the free voxels of these octants of the block with this corner, whose tests are `tests` from lane
 /// `first` on.
-void TestVoxels(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+void TestVoxels(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey& corner,
                 const OctantTests& tests, int first, uint32_t octants, VoxelBits* free);
 /// The 64 cells of 2^3 voxels of a block, x fastest. @param slopes  from lane `lane` on, if not null.
-uint64_t TestCells(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+uint64_t TestCells(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey& corner,
                    const CubeSlopes* slopes, size_t lane);
 /// The 8 cells of 4^3 voxels of two blocks, 8 bits each.
-uint32_t TestWideCells(const ScanImage& image, const ScanFrame& frame, const NodeKey corner[2]);
+uint32_t TestWideCells(const FreeSpaceTables& tables, const ScanFrame& frame, const NodeKey corner[2]);
 /// @}
 
 /// Signed distances of a block's voxels to the planes of their nearest beams, in `unit_m` clamped to
 /// +-truncation_m; kNoDistance where the nearest beam hit nothing or the plane is farther behind. Returns
 /// whether any lies within the truncation.
-bool MeasureDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+bool MeasureDistances(const SurfaceImage& surface, const ScanFrame& frame, const NodeKey& corner,
                       float truncation_m, float unit_m, int16_t* out);
 /// The same of its 64 cells of 2^3 voxels.
-bool MeasureCellDistances(const ScanImage& image, const ScanFrame& frame, const NodeKey& corner,
+bool MeasureCellDistances(const SurfaceImage& surface, const ScanFrame& frame, const NodeKey& corner,
                           float truncation_m, float unit_m, int16_t* out);
 
 }  // namespace atlas::mapping

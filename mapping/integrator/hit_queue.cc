@@ -26,7 +26,7 @@ struct ToVoxels {
   }
 };
 
-void BoundEnds(const ScanImage& image, const ScanFrame& frame, float* low, float* high) {
+void BoundEnds(const RangeImage& image, const ScanFrame& frame, float* low, float* high) {
   const DF d;
   const ToVoxels to(frame);
   const size_t lanes = hn::Lanes(d), cells = image.range.size();
@@ -102,9 +102,10 @@ HWY_INLINE void StoreHits(DF d, const Vector3& w, const Hits& h, size_t lane, Hi
   hn::Store(h.range, d, out->range + lane);
 }
 
-void CellsToQueue(const ScanImage& image, size_t first, const ScanFrame& frame, const TrailRules& rules,
+void CellsToQueue(const SurfaceImage& surface, size_t first, const ScanFrame& frame, const TrailRules& rules,
                   const int8_t* held, HitQueue* queue) {
   const DF d;
+  const RangeImage& image = *surface.image;
   const size_t lanes = hn::Lanes(d);
   const ToVoxels to(frame);
   const VF inverse = hn::Set(d, 1.0f / frame.resolution_m), inwards = hn::Set(d, -frame.resolution_m);
@@ -115,8 +116,8 @@ void CellsToQueue(const ScanImage& image, size_t first, const ScanFrame& frame, 
     const size_t i = first + lane;
     Hits h;
     h.range = hn::Mul(hn::LoadU(d, image.range.data() + i), inverse);
-    const VF nx = hn::LoadU(d, image.nx.data() + i), ny = hn::LoadU(d, image.ny.data() + i),
-             nz = hn::LoadU(d, image.nz.data() + i);
+    const VF nx = hn::LoadU(d, surface.nx.data() + i), ny = hn::LoadU(d, surface.ny.data() + i),
+             nz = hn::LoadU(d, surface.nz.data() + i);
     const auto inward = [&](int axis) { return hn::Mul(inwards, to.Along(d, axis, nx, ny, nz)); };
     h.inward = {inward(0), inward(1), inward(2)};
     const VF x = hn::LoadU(d, image.x.data() + i), y = hn::LoadU(d, image.y.data() + i),
@@ -149,13 +150,13 @@ HWY_EXPORT(BoundEnds);
 HWY_EXPORT(CellsToQueue);
 }  // namespace
 
-void BoundsOfEnds(const ScanImage& image, const ScanFrame& frame, float low[3], float high[3]) {
+void BoundsOfEnds(const RangeImage& image, const ScanFrame& frame, float low[3], float high[3]) {
   HWY_DYNAMIC_DISPATCH(BoundEnds)(image, frame, low, high);
 }
 
-void QueueCells(const ScanImage& image, size_t first, const ScanFrame& frame, const TrailRules& rules,
+void QueueCells(const SurfaceImage& surface, size_t first, const ScanFrame& frame, const TrailRules& rules,
                 const int8_t* held, HitQueue* queue) {
-  HWY_DYNAMIC_DISPATCH(CellsToQueue)(image, first, frame, rules, held, queue);
+  HWY_DYNAMIC_DISPATCH(CellsToQueue)(surface, first, frame, rules, held, queue);
 }
 
 }  // namespace atlas::mapping

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "mapping/integrator/fill_kernels.h"
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/surface_image.h"
 #include "mapping/integrator/surface_model.h"
 
 namespace atlas::mapping {
@@ -32,11 +32,11 @@ struct TrailRules {
 
 /// Bounds of the sensor and of where the cells' rays end, in voxels along the map's axes from the sensor.
 /// @param frame  its axes and resolution.
-void BoundsOfEnds(const ScanImage& image, const ScanFrame& frame, float low[3], float high[3]);
+void BoundsOfEnds(const RangeImage& image, const ScanFrame& frame, float low[3], float high[3]);
 
-/// Queues the hits of the 16 cells of `image` from `first` that would change the voxels that they end
+/// Queues the hits of the 16 cells of the image from `first` that would change the voxels that they end
 /// in. `held` as for NewHits (hit_trails.h).
-void QueueCells(const ScanImage& image, size_t first, const ScanFrame& frame, const TrailRules& rules,
+void QueueCells(const SurfaceImage& surface, size_t first, const ScanFrame& frame, const TrailRules& rules,
                 const int8_t* held, HitQueue* queue);
 
 }  // namespace atlas::mapping

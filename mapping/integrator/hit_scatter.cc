@@ -14,12 +14,12 @@ constexpr size_t kClearedAtOnce = 8;  ///< blocks
 constexpr int kWindowMargin = 8;      ///< voxels beyond the outermost ray end
 
 /// With the plane of the hit in its cell where that is near, else seen head on.
-void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage::SpareHit& spare,
+void QueueSpare(const SurfaceImage& surface, const ScanFrame& frame, const RangeImage::SpareHit& spare,
                 HitQueue* queue) {
   const auto cell = static_cast<size_t>(spare.cell);
   const size_t at = queue->count++;
   const float inverse = 1.0f / frame.resolution_m;
-  const float in_cell = image.range[cell];
+  const float in_cell = surface.image->range[cell];
   const bool near = in_cell > 0.0f && std::abs(in_cell - spare.range) < frame.resolution_m;
   const float range = spare.range * inverse;
   queue->range[at] = range;
@@ -27,9 +27,9 @@ void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage:
     const float* axis = frame.axis[a];
     const float end =
         inverse * inverse * (axis[0] * spare.end[0] + axis[1] * spare.end[1] + axis[2] * spare.end[2]);
-    const float inward =
-        near ? -inverse * (axis[0] * image.nx[cell] + axis[1] * image.ny[cell] + axis[2] * image.nz[cell])
-             : end / range;
+    const float inward = near ? -inverse * (axis[0] * surface.nx[cell] + axis[1] * surface.ny[cell] +
+                                            axis[2] * surface.nz[cell])
+                              : end / range;
     queue->end[a][at] = end;
     queue->inward[a][at] = inward;
   }
@@ -37,7 +37,7 @@ void QueueSpare(const ScanImage& image, const ScanFrame& frame, const ScanImage:
 
 }  // namespace
 
-void HitScatter::Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m,
+void HitScatter::Place(const RangeImage& image, const core::Pose& T_map_lidar, double resolution_m,
                        ScanFrame* frame) {
   frame->resolution_m = static_cast<float>(resolution_m);
   for (int i = 0; i < 9; ++i) {
@@ -94,8 +94,9 @@ void HitScatter::Reserve(TrailRules* rules) {
   rules->slots = slots_.data();
 }
 
-void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
+void HitScatter::Scatter(const SurfaceImage& surface, const ScanFrame& frame, const SurfaceModel& model,
                          const NodeKey& keep_min, const NodeKey& keep_max) {
+  const RangeImage& image = *surface.image;
   row_of_chunk_.assign(static_cast<size_t>(frame.chunks[0]) * static_cast<size_t>(frame.chunks[1]) *
                            static_cast<size_t>(frame.chunks[2]),
                        0);
@@ -129,16 +130,16 @@ void HitScatter::Scatter(const ScanImage& image, const ScanFrame& frame, const S
   Reserve(&rules);
   const size_t cells = image.range.size(), columns = static_cast<size_t>(image.columns);
   for (size_t row = 0; row < cells; row += columns) {
-    for (const ScanImage::Run& run : image.runs) {
+    for (const GridColumns::Run& run : image.runs) {
       for (size_t c = run.first; c < run.last; c += kHitGroup) {
         const size_t cell = row + std::min(c, run.last - kHitGroup);
-        QueueCells(image, cell, frame, rules, blocks_.front().delta, &queue);
+        QueueCells(surface, cell, frame, rules, blocks_.front().delta, &queue);
         take(kHitGroup);
       }
     }
   }
-  for (const ScanImage::SpareHit& spare : image.spare) {
-    QueueSpare(image, frame, spare, &queue);
+  for (const RangeImage::SpareHit& spare : image.spare) {
+    QueueSpare(surface, frame, spare, &queue);
     take(kHitGroup);
   }
   take(1);

@@ -6,7 +6,7 @@
 
 #include "mapping/integrator/fill_kernels.h"
 #include "mapping/integrator/hit_trails.h"
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/surface_image.h"
 #include "mapping/integrator/surface_model.h"
 #include "mapping/octree/octree.h"
 
@@ -21,11 +21,11 @@ class HitScatter {
  public:
   /// Where the hits of the image lie against the lattice: fills `frame`, with a window that holds the end of
   /// every cell's ray; a spare hit outside is left out.
-  static void Place(const ScanImage& image, const core::Pose& T_map_lidar, double resolution_m,
+  static void Place(const RangeImage& image, const core::Pose& T_map_lidar, double resolution_m,
                     ScanFrame* frame);
 
   /// @param keep_min, keep_max  voxels outside [min, max) of the window are left out.
-  void Scatter(const ScanImage& image, const ScanFrame& frame, const SurfaceModel& model,
+  void Scatter(const SurfaceImage& surface, const ScanFrame& frame, const SurfaceModel& model,
                const NodeKey& keep_min, const NodeKey& keep_max);
 
   /// Of the window.

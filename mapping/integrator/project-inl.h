@@ -9,7 +9,7 @@
 
 #include <hwy/highway.h>
 
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/range_image.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
@@ -56,19 +56,19 @@ HWY_INLINE void ForRuns(DF d, VI at, MF wanted, const Visit& visit) {
   }
 }
 
-/// ScanImage::offset and back.
+/// RangeImage::offset and back.
 struct Offsets {
   VF u, v;
 };
 HWY_INLINE VI PackOffsets(DF d, VF u, VF v) {
   const DI di;
-  const VF scale = hn::Set(d, ScanImage::kPerCell), half = hn::Set(d, 0.5f);
+  const VF scale = hn::Set(d, RangeImage::kPerCell), half = hn::Set(d, 0.5f);
   const VI low = hn::ConvertTo(di, hn::Floor(hn::Add(hn::Mul(u, scale), half)));
   const VI high = hn::ConvertTo(di, hn::Floor(hn::Add(hn::Mul(v, scale), half)));
   return hn::Or(hn::And(low, hn::Set(di, 0xffff)), hn::ShiftLeft<16>(high));
 }
 HWY_INLINE Offsets UnpackOffsets(DF d, VI packed) {
-  const VF scale = hn::Set(d, 1.0f / ScanImage::kPerCell);
+  const VF scale = hn::Set(d, 1.0f / RangeImage::kPerCell);
   return {hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(packed))), scale),
           hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(packed)), scale)};
 }
@@ -76,8 +76,8 @@ HWY_INLINE Offsets UnpackOffsets(DF d, VI packed) {
 /// Calls visit(first) for vectors of `lanes` columns that cover the filled ones; the last of a run may
 /// overlap the one before.
 template <typename Visit>
-HWY_INLINE void ForColumns(const ScanImage& image, size_t lanes, const Visit& visit) {
-  for (const ScanImage::Run& run : image.runs) {
+HWY_INLINE void ForColumns(const GridColumns& image, size_t lanes, const Visit& visit) {
+  for (const GridColumns::Run& run : image.runs) {
     for (size_t c = run.first; c < run.last; c += lanes) visit(std::min(c, run.last - lanes));
   }
 }

@@ -7,25 +7,25 @@
 #include <algorithm>
 
 #include "mapping/integrator/project-inl.h"
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/ray_bundle.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
 namespace HWY_NAMESPACE {
 
 /// Puts a ray into the cell that it falls into, unless that holds one nearer to its middle.
-HWY_INLINE void BinRay(size_t i, ScanImage* image) {
-  const BeamGrid& grid = *image->grid;
-  ScanImage::Bins& bins = image->bins;
-  const float u = image->ray_u[i], v = image->ray_v[i];
+HWY_INLINE void BinRay(const GridColumns& image, const RayBundle& rays, size_t i, RayBins* into) {
+  const BeamGrid& grid = *image.grid;
+  RayBins& bins = *into;
+  const float u = rays.u[i], v = rays.v[i];
   if (u < 0.0f || v < -0.5f) return;
   const auto row = static_cast<size_t>(v + 0.5f);
-  if (row >= static_cast<size_t>(image->rows)) return;
+  if (row >= static_cast<size_t>(image.rows)) return;
   auto column = static_cast<size_t>(u + 0.5f);
   const float du = u - static_cast<float>(column), dv = v - static_cast<float>(row);
-  if (column >= static_cast<size_t>(image->columns)) column -= static_cast<size_t>(image->columns);
-  if (!image->Filled(column)) {
-    image->taken[i] = 1;
+  if (column >= static_cast<size_t>(image.columns)) column -= static_cast<size_t>(image.columns);
+  if (!image.Filled(column)) {
+    bins.taken[i] = 1;
     return;
   }
   const float per_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[row];
@@ -42,17 +42,17 @@ HWY_INLINE void BinRay(size_t i, ScanImage* image) {
 }
 
 /// Lanes(d) rays. Those that fall into cells side by side, as nearly all do, go there together.
-HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
+HWY_INLINE void BinVector(DF d, const GridColumns& image, const RayBundle& bundle, size_t i, RayBins* into) {
   const DI di;
-  const BeamGrid& grid = *image->grid;
-  ScanImage::Bins& bins = image->bins;
+  const BeamGrid& grid = *image.grid;
+  RayBins& bins = *into;
   const VF half = hn::Set(d, 0.5f), zero = hn::Zero(d);
-  const VF u = hn::LoadU(d, image->ray_u.data() + i), v = hn::LoadU(d, image->ray_v.data() + i);
+  const VF u = hn::LoadU(d, bundle.u.data() + i), v = hn::LoadU(d, bundle.v.data() + i);
   const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
   const MF in = hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, hn::Neg(half))),
-                        hn::Lt(row, hn::Set(d, static_cast<float>(image->rows))));
+                        hn::Lt(row, hn::Set(d, static_cast<float>(image.rows))));
   const VF du = hn::Sub(u, column), dv = hn::Sub(v, row);
-  const VF columns = hn::Set(d, static_cast<float>(image->columns));
+  const VF columns = hn::Set(d, static_cast<float>(image.columns));
   const VF wrapped = hn::IfThenElse(hn::Lt(column, columns), column, hn::Sub(column, columns));
   // Exact: images have fewer than 2^24 cells.
   const VF bin = hn::Add(hn::Mul(hn::IfThenElseZero(in, row), hn::Set(d, static_cast<float>(bins.pitch))),
@@ -63,8 +63,9 @@ HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
     const auto to = static_cast<size_t>(first), at = static_cast<size_t>(first + lane) / bins.pitch;
     const size_t left = static_cast<size_t>(first + lane) % bins.pitch - 1;
     const auto last = left + static_cast<size_t>(31 - __builtin_clz(run) - lane);
-    if (first < 0 || to + hn::Lanes(d) > bins.ray.size() || !image->Filled(left) || !image->Filled(last)) {
-      for (; run != 0; run &= run - 1) BinRay(i + static_cast<size_t>(__builtin_ctz(run)), image);
+    if (first < 0 || to + hn::Lanes(d) > bins.count || !image.Filled(left) || !image.Filled(last)) {
+      for (; run != 0; run &= run - 1)
+        BinRay(image, bundle, i + static_cast<size_t>(__builtin_ctz(run)), into);
       return;
     }
     const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
@@ -84,12 +85,12 @@ HWY_INLINE void BinVector(DF d, size_t i, ScanImage* image) {
   });
 }
 
-void BinScan(ScanImage* image) {
+void BinScan(const GridColumns& image, const RayBundle& bundle, RayBins* bins) {
   const DF d;
-  const size_t lanes = hn::Lanes(d), rays = image->taken.size();
+  const size_t lanes = hn::Lanes(d), rays = bundle.count;
   size_t i = 0;
-  for (; i + lanes <= rays; i += lanes) BinVector(d, i, image);
-  for (; i < rays; ++i) BinRay(i, image);
+  for (; i + lanes <= rays; i += lanes) BinVector(d, image, bundle, i, bins);
+  for (; i < rays; ++i) BinRay(image, bundle, i, bins);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -106,13 +107,14 @@ constexpr float kEmptyBin = 1e9f;
 
 }  // namespace
 
-void BinRays(ScanImage* image) {
-  ScanImage::Bins& bins = image->bins;
-  const auto columns = static_cast<size_t>(image->columns);
+void BinRays(const GridColumns& grid, const RayBundle& rays, RayBins* into) {
+  RayBins& bins = *into;
+  const auto columns = static_cast<size_t>(grid.columns);
+  bins.taken.assign(rays.count, 0);
   // `du` alone marks empty bins.
-  std::fill_n(bins.du.begin(), bins.ray.size(), kEmptyBin);
-  HWY_DYNAMIC_DISPATCH(BinScan)(image);
-  for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
+  std::fill_n(bins.du.begin(), bins.count, kEmptyBin);
+  HWY_DYNAMIC_DISPATCH(BinScan)(grid, rays, into);
+  for (size_t row = 0; row < static_cast<size_t>(grid.rows); ++row) {
     const size_t first = row * bins.pitch, last = first + columns + 1;
     const auto repeat = [&](size_t to, size_t from) {
       bins.du[to] = bins.du[from];

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/grid_columns.h"
 
 namespace atlas::mapping {
 namespace {
@@ -11,7 +11,7 @@ using core::Vec3;
 
 constexpr size_t kGroupColumns = 16;  ///< runs are whole groups
 /// Beside the outermost column: windows of minima are up to 64 columns wide, planes look 8 columns aside.
-constexpr double kMarginColumns = ScanImage::kPad + kGroupColumns;
+constexpr double kMarginColumns = GridColumns::kWindowReach + kGroupColumns;
 constexpr double kWidest = 0.9 * core::kPi;  ///< radians: boxes that span more may surround the sensor
 
 /// Azimuths [from, to] that a box spans, `to` - `from` < pi; nullopt where it may surround the LiDAR's axis.
@@ -36,7 +36,8 @@ std::optional<std::pair<double, double>> AzimuthsOf(const core::Box3& box_map,
 
 }  // namespace
 
-void KeepColumns(const std::optional<core::Box3>& box_map, const core::Pose& T_map_lidar, ScanImage* image) {
+void KeepColumns(const std::optional<core::Box3>& box_map, const core::Pose& T_map_lidar,
+                 GridColumns* image) {
   const auto columns = static_cast<size_t>(image->columns);
   image->runs.assign(1, {0, columns});
   if (!box_map || columns % kGroupColumns != 0) return;

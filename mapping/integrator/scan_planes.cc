@@ -13,8 +13,8 @@
 #include <cmath>
 
 #include "core/parallel_for.h"
+#include "mapping/integrator/free_space_tables.h"
 #include "mapping/integrator/project-inl.h"
-#include "mapping/integrator/scan_image.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
@@ -50,7 +50,7 @@ HWY_INLINE VF ByStep(DF d, VI steps, int widest, const Value& value) {
 }
 
 /// Ranges `along` columns beside `column` on, across the seam too.
-HWY_INLINE VF RangeBeside(DF d, const ScanImage& image, int row, size_t column, int along) {
+HWY_INLINE VF RangeBeside(DF d, const RangeImage& image, int row, size_t column, int along) {
   const DI di;
   const float* ranges = image.range.data() + static_cast<size_t>(row) * static_cast<size_t>(image.columns);
   const int first = static_cast<int>(column) + along;
@@ -63,7 +63,7 @@ HWY_INLINE VF RangeBeside(DF d, const ScanImage& image, int row, size_t column, 
   return hn::GatherIndex(d, ranges, c);
 }
 /// Ranges `down` rows below; not hits outside the image.
-HWY_INLINE VF RangeBelow(DF d, const ScanImage& image, int row, size_t column, int down) {
+HWY_INLINE VF RangeBelow(DF d, const RangeImage& image, int row, size_t column, int down) {
   if (row + down < 0 || row + down >= image.rows) return hn::Zero(d);
   return RangeBeside(d, image, row + down, column, 0);
 }
@@ -105,7 +105,7 @@ struct Slopes {
   VF azimuth, elevation;
 };
 
-HWY_INLINE Slopes SlopesOf(DF d, const ScanImage& image, int row, size_t column, VF range) {
+HWY_INLINE Slopes SlopesOf(DF d, const RangeImage& image, int row, size_t column, VF range) {
   const BeamGrid& grid = *image.grid;
   const auto at = static_cast<size_t>(row);
   const VF q = hn::Div(hn::Set(d, 1.0f), range);
@@ -145,10 +145,11 @@ struct Lean {
 
 /// Turns slopes into the normal: the slopes are the range's growth a row and a column.
 HWY_INLINE Lean StorePlane(DF d, const float* rotation, float half_voxel, Slopes slope, VF range, size_t i,
-                           ScanImage* image) {
+                           SurfaceImage* surface) {
   const VF one = hn::Set(d, 1.0f);
-  const VF x = hn::LoadU(d, image->x.data() + i), y = hn::LoadU(d, image->y.data() + i),
-           z = hn::LoadU(d, image->z.data() + i);
+  const RangeImage& image = *surface->image;
+  const VF x = hn::LoadU(d, image.x.data() + i), y = hn::LoadU(d, image.y.data() + i),
+           z = hn::LoadU(d, image.z.data() + i);
   const VF inverse_range = hn::Div(one, range);
   const VF rx = hn::Mul(x, inverse_range), ry = hn::Mul(y, inverse_range), rz = hn::Mul(z, inverse_range);
   const VF flat = hn::Max(hn::Sqrt(hn::Add(hn::Mul(rx, rx), hn::Mul(ry, ry))), hn::Set(d, 1e-4f));
@@ -171,15 +172,15 @@ HWY_INLINE Lean StorePlane(DF d, const float* rotation, float half_voxel, Slopes
         hn::Mul(nz, hn::Set(d, rotation[3 * r + 2])));
     l1 = hn::Add(l1, hn::Abs(c));
   }
-  hn::StoreU(nx, d, image->nx.data() + i);
-  hn::StoreU(ny, d, image->ny.data() + i);
-  hn::StoreU(nz, d, image->nz.data() + i);
+  hn::StoreU(nx, d, surface->nx.data() + i);
+  hn::StoreU(ny, d, surface->ny.data() + i);
+  hn::StoreU(nz, d, surface->nz.data() + i);
   return {hn::Min(t, hn::Set(d, kGrazing)), hn::Mul(l1, hn::Set(d, half_voxel))};
 }
 
 /// The nearer of the range of the return and of its plane in the cell's own direction, which the beam may
 /// miss by most of a cell (cells are looked up by their directions).
-HWY_INLINE VF RangeOfCell(DF d, const ScanImage& image, const Slopes& slope, VF range, int row, size_t i) {
+HWY_INLINE VF RangeOfCell(DF d, const RangeImage& image, const Slopes& slope, VF range, int row, size_t i) {
   const BeamGrid& grid = *image.grid;
   const auto at = static_cast<size_t>(row);
   const float pitch_u = static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at];
@@ -195,43 +196,44 @@ HWY_INLINE VF RangeOfCell(DF d, const ScanImage& image, const Slopes& slope, VF 
 /// Free up to where a voxel could touch the surface: 3 sigma and its support off the plane. The own beam
 /// keeps twice the support away, since a voxel that it pierces may hang below it by as much.
 HWY_INLINE void StoreMargins(DF d, const ImageOptions& options, const Lean& lean, VF range, MF hit, int row,
-                             size_t column, size_t i, ScanImage* image) {
-  const size_t to = static_cast<size_t>(row) * static_cast<size_t>(image->pitch) + column;
+                             size_t column, size_t i, FreeSpaceTables* tables) {
+  const size_t to = static_cast<size_t>(row) * static_cast<size_t>(tables->pitch) + column;
   const VF t = lean.inverse_cos, h = lean.support;
   const VF sigma = hn::Max(hn::Set(d, options.sigma_min_m), hn::Mul(range, hn::Set(d, options.lambda_sigma)));
   const VF band = hn::Mul(hn::Set(d, 3.0f), sigma);
   const VF least = hn::Set(d, 0.002f);
-  const VF miss = hn::Neg(hn::Min(hn::LoadU(d, image->range.data() + i), hn::Zero(d)));
+  const VF miss = hn::Neg(hn::Min(hn::LoadU(d, tables->image->range.data() + i), hn::Zero(d)));
   for (int k = 0; (1 << k) <= options.max_scale; ++k) {
     const VF reach = hn::Mul(h, hn::Set(d, static_cast<float>(1 << k)));
     const VF veto = hn::Sub(range, hn::Mul(hn::Add(reach, band), t));
     const VF own = hn::Sub(veto, hn::Mul(reach, hn::Sub(t, hn::Set(d, 1.0f))));
     const auto s = static_cast<size_t>(k);
-    const size_t below_top = to + static_cast<size_t>(image->pitch);
-    hn::StoreU(hn::IfThenElse(hit, hn::Max(own, least), miss), d, image->own[s].data() + to);
-    hn::StoreU(hn::IfThenElse(hit, hn::Max(veto, least), miss), d, image->surround[s].data() + below_top);
+    const size_t below_top = to + static_cast<size_t>(tables->pitch);
+    hn::StoreU(hn::IfThenElse(hit, hn::Max(own, least), miss), d, tables->own[s].data() + to);
+    hn::StoreU(hn::IfThenElse(hit, hn::Max(veto, least), miss), d, tables->surround[s].data() + below_top);
   }
 }
 
 void PlanesOfRows(const float* rotation, const ImageOptions& options, size_t begin, size_t end,
-                  ScanImage* image) {
+                  const PlanesOut& out) {
   const DF d;
-  const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image->columns);
+  const RangeImage& image = *out.surface->image;
+  const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(image.columns);
   for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
-    ForColumns(*image, lanes, [&](size_t column) {
+    ForColumns(image, lanes, [&](size_t column) {
       const size_t i = static_cast<size_t>(row) * columns + column;
-      const VF signed_range = hn::LoadU(d, image->range.data() + i);
+      const VF signed_range = hn::LoadU(d, image.range.data() + i);
       const MF hit = hn::Gt(signed_range, hn::Zero(d));
       const VF range = hn::IfThenElse(hit, signed_range, hn::Set(d, 1.0f));
       VF free_range = range;
       Lean lean{hn::Zero(d), hn::Zero(d)};
       if (!hn::AllFalse(d, hit)) {
-        const Slopes slopes = SlopesOf(d, *image, row, column, range);
-        free_range = RangeOfCell(d, *image, slopes, range, row, i);
-        lean = StorePlane(d, rotation, 0.5f * options.resolution_m, slopes, range, i, image);
+        const Slopes slopes = SlopesOf(d, image, row, column, range);
+        free_range = RangeOfCell(d, image, slopes, range, row, i);
+        lean = StorePlane(d, rotation, 0.5f * options.resolution_m, slopes, range, i, out.surface);
       }
-      if (options.reach_behind_m > 0.0f) hn::StoreU(lean.inverse_cos, d, image->inverse_cos.data() + i);
-      StoreMargins(d, options, lean, free_range, hit, row, column, i, image);
+      if (options.reach_behind_m > 0.0f) hn::StoreU(lean.inverse_cos, d, out.surface->inverse_cos.data() + i);
+      StoreMargins(d, options, lean, free_range, hit, row, column, i, out.tables);
     });
   }
 }
@@ -246,11 +248,13 @@ namespace {
 HWY_EXPORT(PlanesOfRows);
 }  // namespace
 
-void FindPlanes(const core::Mat3& rotation_map_lidar, const ImageOptions& options, ScanImage* image) {
+void FindPlanes(const core::Mat3& rotation_map_lidar, const ImageOptions& options, const RangeImage& image,
+                const PlanesOut& out) {
+  out.surface->image = out.tables->image = &image;
   float rotation[9];
   for (int i = 0; i < 9; ++i) rotation[i] = static_cast<float>(rotation_map_lidar(i / 3, i % 3));
-  core::ParallelFor(options.threads, static_cast<size_t>(image->rows), [&](size_t begin, size_t end, size_t) {
-    HWY_DYNAMIC_DISPATCH(PlanesOfRows)(rotation, options, begin, end, image);
+  core::ParallelFor(options.threads, static_cast<size_t>(image.rows), [&](size_t begin, size_t end, size_t) {
+    HWY_DYNAMIC_DISPATCH(PlanesOfRows)(rotation, options, begin, end, out);
   });
 }
 

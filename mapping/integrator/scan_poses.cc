@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/scan_poses.h"
 
 namespace atlas::mapping {
 namespace {

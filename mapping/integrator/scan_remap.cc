@@ -8,12 +8,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstring>
-#include <utility>
 
 #include "core/parallel_for.h"
 #include "mapping/integrator/project-inl.h"
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/range_image.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
@@ -46,8 +46,10 @@ HWY_INLINE VectorPoint Undistort(DF d, const ColumnPoses& poses, size_t column, 
 }
 
 /// Projects Lanes(d) rays of a row from `column` on.
-HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses& poses,
-                            const ImageOptions& options, size_t row, size_t column, ScanImage* image) {
+HWY_INLINE void ProjectRays(DF d, const RaySource& source, size_t row, size_t column, RayBundle* rays) {
+  const core::LidarScan& scan = source.scan;
+  const ColumnPoses& poses = source.poses;
+  const ImageOptions& options = source.options;
   const DI di;
   const hn::Rebind<uint8_t, DI> d8;
   const size_t i = row * static_cast<size_t>(scan.columns) + column;
@@ -80,8 +82,8 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
   const VF safe_r = hn::IfThenElse(pointed, r, hn::Set(d, 1.0f));
   const VF safe_x = hn::IfThenElseZero(pointed, end.x), safe_y = hn::IfThenElseZero(pointed, end.y),
            safe_z = hn::IfThenElseZero(pointed, end.z);
-  const VF u = ColumnOf(d, *image->grid, safe_x, safe_y);
-  const VF v = RowOf(d, *image->grid, hn::Div(safe_z, safe_r));
+  const VF u = ColumnOf(d, source.grid, safe_x, safe_y);
+  const VF v = RowOf(d, source.grid, hn::Div(safe_z, safe_r));
 
   const VF limit = hn::Set(d, options.max_range_m);
   const MF near_hit = hn::And(hit, hn::Le(r, limit));
@@ -89,37 +91,36 @@ HWY_INLINE void ProjectRays(DF d, const core::LidarScan& scan, const ColumnPoses
                                 hn::IfThenElse(hit, hn::Neg(limit), hn::Set(d, -options.void_range_m)));
   range = hn::IfThenElse(near_hit, r, range);
   // Rays are kept by ascending azimuth, as the grid's columns are.
-  const bool turned_round = image->grid->clockwise;
+  const bool turned_round = source.grid.clockwise;
   const size_t mirrored = static_cast<size_t>(scan.columns) - hn::Lanes(d) - column;
   const size_t to = row * static_cast<size_t>(scan.columns) + (turned_round ? mirrored : column);
   const auto store = [&](VF value, std::vector<float>& out) {
     hn::StoreU(turned_round ? hn::Reverse(d, value) : value, d, out.data() + to);
   };
-  store(hn::IfThenElse(pointed, u, hn::Set(d, -1.0f)), image->ray_u);
-  store(v, image->ray_v);
+  store(hn::IfThenElse(pointed, u, hn::Set(d, -1.0f)), rays->u);
+  store(v, rays->v);
   VF shorter = hn::Set(d, 1.0f);
   if (!hn::AllTrue(d, near_hit)) shorter = hn::IfThenElse(near_hit, shorter, hn::Div(shorter, safe_r));
-  store(hn::Mul(safe_x, shorter), image->ray_x);
-  store(hn::Mul(safe_y, shorter), image->ray_y);
-  store(hn::Mul(safe_z, shorter), image->ray_z);
-  store(hn::IfThenElseZero(pointed, range), image->ray_range);
+  store(hn::Mul(safe_x, shorter), rays->x);
+  store(hn::Mul(safe_y, shorter), rays->y);
+  store(hn::Mul(safe_z, shorter), rays->z);
+  store(hn::IfThenElseZero(pointed, range), rays->range);
 }
 
-void ProjectRows(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
-                 size_t begin, size_t end, ScanImage* image) {
+void ProjectRows(const RaySource& source, size_t begin, size_t end, RayBundle* rays) {
   const DF d;
-  const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(scan.columns);
+  const size_t lanes = hn::Lanes(d), columns = static_cast<size_t>(source.scan.columns);
   for (size_t row = begin; row < end; ++row) {
     for (size_t column = 0; column < columns; column += lanes) {
-      ProjectRays(d, scan, poses, options, row, std::min(column, columns - lanes), image);
+      ProjectRays(d, source, row, std::min(column, columns - lanes), rays);
     }
   }
 }
 
 /// Best match of Lanes(d) cells of a row among the rays in the 3 x 3 bins around; returns how far they reach.
-HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t column, ScanImage* image) {
+HWY_INLINE VF MatchVector(DF d, const RayOffers& offers, int row, size_t column, RangeImage* image) {
   const DI di;
-  const ScanImage::Bins& bins = image->bins;
+  const RayBins& bins = offers.bins;
   const BeamGrid& grid = *image->grid;
   const auto at = static_cast<size_t>(row);
   const VF per_u = hn::Set(d, static_cast<float>(grid.column_pitch_rad) * grid.cos_elevation[at]);
@@ -143,7 +144,7 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
   };
   offer(0, 0, hn::Lt(hn::Zero(d), hn::Set(d, 1.0f)));
   // Rays in other columns, or rows, lie at least half a cell off: nearer ones need no look at them.
-  const float stop2 = options.remap_stop_rad * options.remap_stop_rad;
+  const float stop2 = offers.stop_rad * offers.stop_rad;
   const float half_u = 0.5f * hn::GetLane(per_u), half_v = 0.5f * hn::GetLane(per_v);
   const MF beside = hn::Gt(best, hn::Set(d, std::max(stop2, half_u * half_u)));
   const MF above = hn::Gt(best, hn::Set(d, std::max(stop2, half_v * half_v)));
@@ -165,16 +166,16 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
           [&](int32_t first, uint32_t run) {
             const MF mask = MaskOf(d, run);
             const auto from = static_cast<size_t>(first);
-            const bool within = first >= 0 && from + hn::Lanes(d) <= image->taken.size();
+            const bool within = first >= 0 && from + hn::Lanes(d) <= offers.rays.count;
             const auto fetch = [&](const std::vector<float>& rays, VF* to) {
               const VF values = within ? hn::LoadU(d, rays.data() + from)
                                        : hn::GatherIndex(d, rays.data(), hn::Max(best_ray, hn::Zero(di)));
               *to = hn::IfThenElse(mask, values, *to);
             };
-            fetch(image->ray_range, &range);
-            fetch(image->ray_x, &x);
-            fetch(image->ray_y, &y);
-            fetch(image->ray_z, &z);
+            fetch(offers.rays.range, &range);
+            fetch(offers.rays.x, &x);
+            fetch(offers.rays.y, &y);
+            fetch(offers.rays.z, &z);
           });
   hn::StoreU(range, d, image->range.data() + i);
   hn::StoreU(x, d, image->x.data() + i);
@@ -184,35 +185,35 @@ HWY_INLINE VF MatchCells(DF d, const ImageOptions& options, int row, size_t colu
 }
 
 /// Marks the rays that cells chose.
-void MarkTaken(ScanImage* image) {
+void MarkTaken(const RangeImage& image, RayBins* bins) {
   const DF d;
   const DI di;
   const hn::Rebind<uint8_t, DI> d8;
-  const size_t lanes = hn::Lanes(di), columns = static_cast<size_t>(image->columns);
+  const size_t lanes = hn::Lanes(di), columns = static_cast<size_t>(image.columns);
   const auto one = hn::Set(d8, 1);
   const auto mark = [&](size_t at) {
-    const VI rays = hn::LoadU(di, image->cell_ray.data() + at);
+    const VI rays = hn::LoadU(di, image.cell_ray.data() + at);
     ForRuns(d, rays, hn::RebindMask(d, hn::Gt(rays, hn::Set(di, -1))), [&](int32_t first, uint32_t run) {
-      if (first < 0 || static_cast<size_t>(first) + lanes > image->taken.size()) {
-        for (; run != 0; run &= run - 1) image->taken[static_cast<size_t>(first + __builtin_ctz(run))] = 1;
+      if (first < 0 || static_cast<size_t>(first) + lanes > bins->taken.size()) {
+        for (; run != 0; run &= run - 1) bins->taken[static_cast<size_t>(first + __builtin_ctz(run))] = 1;
         return;
       }
-      hn::BlendedStore(one, MaskOf(d8, run), d8, image->taken.data() + first);
+      hn::BlendedStore(one, MaskOf(d8, run), d8, bins->taken.data() + first);
     });
   };
-  for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
-    ForColumns(*image, lanes, [&](size_t column) { mark(row * columns + column); });
+  for (size_t row = 0; row < static_cast<size_t>(image.rows); ++row) {
+    ForColumns(image, lanes, [&](size_t column) { mark(row * columns + column); });
   }
 }
 
 /// Returns how far their matches reach, metres.
-float MatchRows(const ImageOptions& options, size_t begin, size_t end, ScanImage* image) {
+float MatchRows(const RayOffers& offers, size_t begin, size_t end, RangeImage* image) {
   const DF d;
   const size_t lanes = hn::Lanes(d);
   VF reach = hn::Zero(d);
   for (size_t row = begin; row < end; ++row) {
     ForColumns(*image, lanes, [&](size_t column) {
-      reach = hn::Max(reach, MatchCells(d, options, static_cast<int>(row), column, image));
+      reach = hn::Max(reach, MatchVector(d, offers, static_cast<int>(row), column, image));
     });
   }
   return hn::GetLane(hn::MaxOfLanes(d, reach));
@@ -231,18 +232,15 @@ HWY_EXPORT(MatchRows);
 HWY_EXPORT(MarkTaken);
 
 /// Hits left over once cells have chosen.
-void FindSpares(ScanImage* image) {
+void FindSpares(const RayBundle& rays, const RayBins& bins, RangeImage* image) {
   image->spare.clear();
-  HWY_DYNAMIC_DISPATCH(MarkTaken)(image);
-  const std::vector<uint8_t>& taken = image->taken;
+  const std::vector<uint8_t>& taken = bins.taken;
   const auto add = [&](size_t i) {
-    if (taken[i] != 0 || image->ray_range[i] <= 0.0f) return;
-    const int row = std::clamp(static_cast<int>(image->ray_v[i] + 0.5f), 0, image->rows - 1);
-    const int column = static_cast<int>(image->ray_u[i] + 0.5f) % image->columns;
+    if (taken[i] != 0 || rays.range[i] <= 0.0f) return;
+    const int row = std::clamp(static_cast<int>(rays.v[i] + 0.5f), 0, image->rows - 1);
+    const int column = static_cast<int>(rays.u[i] + 0.5f) % image->columns;
     if (!image->Filled(static_cast<size_t>(column))) return;
-    image->spare.push_back({row * image->columns + column,
-                            image->ray_range[i],
-                            {image->ray_x[i], image->ray_y[i], image->ray_z[i]}});
+    image->spare.push_back({row * image->columns + column, rays.range[i], {rays.x[i], rays.y[i], rays.z[i]}});
   };
   size_t i = 0;
   for (; i + 8 <= taken.size(); i += 8) {
@@ -254,57 +252,31 @@ void FindSpares(ScanImage* image) {
   for (; i < taken.size(); ++i) add(i);
 }
 
-/// Rays and bins take the memory of planes and tables, which come after them, or give it back.
-void ShareMemory(bool rays_first, size_t rays, ScanImage* image) {
-  ScanImage& i = *image;
-  const std::pair<std::vector<float>*, std::vector<float>*> shared[] = {
-      {&i.ray_x, &i.nx},          {&i.ray_y, &i.ny},          {&i.ray_z, &i.nz},
-      {&i.ray_u, &i.own[0]},      {&i.ray_v, &i.surround[0]}, {&i.ray_range, &i.window[2]},
-      {&i.bins.du, &i.window[3]}, {&i.bins.dv, &i.window[4]}};
-  for (const auto& [before, after] : shared) {
-    std::vector<float>* to = rays_first ? before : after;
-    std::swap(*before, *after);
-    to->resize(std::max({to->size(), rays, i.bins.ray.size()}));
-  }
-}
-
 }  // namespace
 
-void PrepareImage(const BeamGrid& grid, ScanImage* image) {
-  image->grid = &grid;
-  image->rows = grid.rows;
-  image->columns = grid.columns;
-  image->runs.assign(1, {0, static_cast<size_t>(grid.columns)});
-  image->pitch = grid.columns + ScanImage::kPad;
-  const size_t cells = static_cast<size_t>(grid.rows) * static_cast<size_t>(grid.columns);
-  for (auto* v : {&image->range, &image->x, &image->y, &image->z, &image->inverse_cos}) {
-    v->resize(cells);
-  }
-  image->cell_ray.resize(cells);
-  image->offset.resize(cells);
-  ScanImage::Bins& bins = image->bins;
-  bins.pitch = static_cast<size_t>(grid.columns) + 2;
-  const size_t count = bins.pitch * static_cast<size_t>(grid.rows);
-  bins.ray.resize(count);
-  PrepareTables(image);
+RangeImage::RangeImage(const BeamGrid& beams) : GridColumns(beams) {
+  for (auto* v : {&range, &x, &y, &z}) v->resize(cells());
+  cell_ray.resize(cells());
+  offset.resize(cells());
 }
 
-void RemapScan(const core::LidarScan& scan, const ColumnPoses& poses, const ImageOptions& options,
-               ScanImage* image) {
-  ShareMemory(true, scan.size(), image);
-  image->taken.assign(scan.size(), 0);
+void ProjectScan(const RaySource& source, RayBundle* rays) {
+  const auto rows = static_cast<size_t>(source.scan.rows);
+  core::ParallelFor(source.options.threads, rows, [&](size_t begin, size_t end, size_t) {
+    HWY_DYNAMIC_DISPATCH(ProjectRows)(source, begin, end, rays);
+  });
+}
+
+void MatchCells(const RayBundle& rays, const ImageOptions& options, RayBins* bins, RangeImage* image) {
+  const RayOffers offers{rays, *bins, options.remap_stop_rad};
+  std::vector<float> reach_m(static_cast<size_t>(std::max(options.threads, 1)), 0.0f);
   const auto rows = static_cast<size_t>(image->rows);
-  core::ParallelFor(options.threads, static_cast<size_t>(scan.rows), [&](size_t begin, size_t end, size_t) {
-    HWY_DYNAMIC_DISPATCH(ProjectRows)(scan, poses, options, begin, end, image);
-  });
-  BinRays(image);
-  image->row_reach_m.assign(static_cast<size_t>(std::max(options.threads, 1)), 0.0f);
   core::ParallelFor(options.threads, rows, [&](size_t begin, size_t end, size_t worker) {
-    image->row_reach_m[worker] = HWY_DYNAMIC_DISPATCH(MatchRows)(options, begin, end, image);
+    reach_m[worker] = HWY_DYNAMIC_DISPATCH(MatchRows)(offers, begin, end, image);
   });
-  image->reach_m = *std::max_element(image->row_reach_m.begin(), image->row_reach_m.end());
-  FindSpares(image);
-  ShareMemory(false, scan.size(), image);
+  image->reach_m = *std::max_element(reach_m.begin(), reach_m.end());
+  HWY_DYNAMIC_DISPATCH(MarkTaken)(*image, bins);
+  FindSpares(rays, *bins, image);
 }
 
 }  // namespace atlas::mapping

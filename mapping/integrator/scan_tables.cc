@@ -8,7 +8,7 @@
 
 #include "mapping/integrator/dynamic_loop.h"
 #include "mapping/integrator/fill_kernels.h"
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/free_space_tables.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace atlas::mapping {
@@ -74,15 +74,15 @@ void RepeatColumns(T* row, size_t columns, size_t pitch) {
 }
 
 /// 2 x 2 minima in place, from single cells stored below a row of nothing.
-void SurroundTable(const ScanImage& image, std::vector<float>* table) {
-  const auto pitch = static_cast<size_t>(image.pitch), columns = static_cast<size_t>(image.columns);
+void SurroundTable(const RangeImage& image, size_t pitch, std::vector<float>* table) {
+  const auto columns = static_cast<size_t>(image.columns);
   const auto rows = static_cast<size_t>(image.rows);
   std::fill_n(table->begin(), pitch, kNothing);
   for (size_t row = 1; row <= rows; ++row) RepeatColumns(table->data() + row * pitch, columns, pitch);
   for (size_t row = 0; row <= rows; ++row) {
     float* here = table->data() + row * pitch;
     const float* next = row < rows ? here + pitch : here;
-    for (const ScanImage::Run& run : image.runs) {
+    for (const GridColumns::Run& run : image.runs) {
       float* from = here + run.first;
       HWY_DYNAMIC_DISPATCH(LeastFloat)(from, next + run.first, 1, run.last - run.first, from);
     }
@@ -91,24 +91,25 @@ void SurroundTable(const ScanImage& image, std::vector<float>* table) {
 }
 
 /// Level k from level k - 1: windows twice as wide, twice as tall, or both.
-void WindowLevel(const std::vector<float>& finer, size_t k, ScanImage* image) {
-  const auto pitch = static_cast<size_t>(image->pitch), columns = static_cast<size_t>(image->columns);
-  const int tall = image->window_rows[k], tall_finer = image->window_rows[k - 1];
-  const size_t step = image->window_columns[k] > image->window_columns[k - 1]
-                          ? static_cast<size_t>(image->window_columns[k - 1])
+void WindowLevel(const std::vector<float>& finer, size_t k, FreeSpaceTables* tables) {
+  const RangeImage& image = *tables->image;
+  const auto pitch = static_cast<size_t>(tables->pitch), columns = static_cast<size_t>(image.columns);
+  const int tall = tables->window_rows[k], tall_finer = tables->window_rows[k - 1];
+  const size_t step = tables->window_columns[k] > tables->window_columns[k - 1]
+                          ? static_cast<size_t>(tables->window_columns[k - 1])
                           : 0;
-  std::vector<float>& table = image->window[k];
+  std::vector<float>& table = tables->window[k];
   const int first = -(tall - 1), first_finer = -(tall_finer - 1);
   static const std::vector<float> nothing(32768, kNothing);
   const auto finer_row = [&](int row) {
-    return row < first_finer || row >= image->rows
+    return row < first_finer || row >= image.rows
                ? nothing.data()
                : finer.data() + static_cast<size_t>(row - first_finer) * pitch;
   };
-  for (int row = first; row < image->rows; ++row) {
+  for (int row = first; row < image.rows; ++row) {
     float* out = table.data() + static_cast<size_t>(row - first) * pitch;
     const int other = tall > tall_finer ? row + tall_finer : row;
-    for (const ScanImage::Run& run : image->runs) {
+    for (const GridColumns::Run& run : image.runs) {
       HWY_DYNAMIC_DISPATCH(LeastFloat)
       (finer_row(row) + run.first, finer_row(other) + run.first, step, run.last - run.first, out + run.first);
     }
@@ -116,41 +117,42 @@ void WindowLevel(const std::vector<float>& finer, size_t k, ScanImage* image) {
   }
 }
 
-void WindowTables(ScanImage* image) {
-  for (size_t k = 2; k < ScanImage::kLevels; ++k) {
-    WindowLevel(k == 2 ? image->surround[0] : image->window[k - 1], k, image);
+void WindowTables(FreeSpaceTables* tables) {
+  for (size_t k = 2; k < FreeSpaceTables::kLevels; ++k) {
+    WindowLevel(k == 2 ? tables->surround[0] : tables->window[k - 1], k, tables);
   }
 }
 
-void BoxTables(const ImageOptions& options, ScanImage* image) {
-  const auto columns = static_cast<size_t>(image->columns), rows = static_cast<size_t>(image->rows);
-  image->box_unit_m = (options.max_range_m + kGrazingReach * options.reach_behind_m + 1.0f) / 65000.0f;
-  const size_t pitch = image->box_pitch, stride = image->box_stride;
+void BoxTables(const ImageOptions& options, const SurfaceImage& surface, FreeSpaceTables* tables) {
+  const RangeImage& image = *surface.image;
+  const auto columns = static_cast<size_t>(image.columns), rows = static_cast<size_t>(image.rows);
+  std::vector<float> row_bound(columns + kSlack);
+  tables->box_unit_m = (options.max_range_m + kGrazingReach * options.reach_behind_m + 1.0f) / 65000.0f;
+  const size_t pitch = tables->box_pitch, stride = tables->box_stride;
   for (size_t row = 0; row < rows; ++row) {
-    const float* own = image->own[0].data() + row * static_cast<size_t>(image->pitch);
+    const float* own = tables->own[0].data() + row * static_cast<size_t>(tables->pitch);
     const float* bound = own;
     if (options.reach_behind_m > 0.0f) {
       for (size_t i = 0; i < columns; ++i) {
         const size_t cell = row * columns + i;
-        const float reach = options.reach_behind_m * std::min(image->inverse_cos[cell], kGrazingReach);
-        image->row_bound[i] =
-            image->range[cell] > 0.0f ? std::max(own[i], image->range[cell] + reach) : own[i];
+        const float reach = options.reach_behind_m * std::min(surface.inverse_cos[cell], kGrazingReach);
+        row_bound[i] = image.range[cell] > 0.0f ? std::max(own[i], image.range[cell] + reach) : own[i];
       }
-      bound = image->row_bound.data();
+      bound = row_bound.data();
     }
-    uint32_t* out = image->box.data() + row * pitch;
-    for (const ScanImage::Run& run : image->runs) {
+    uint32_t* out = tables->box.data() + row * pitch;
+    for (const GridColumns::Run& run : image.runs) {
       HWY_DYNAMIC_DISPATCH(PackBounds)
-      (own + run.first, bound + run.first, 1.0f / image->box_unit_m, run.last - run.first, out + run.first);
+      (own + run.first, bound + run.first, 1.0f / tables->box_unit_m, run.last - run.first, out + run.first);
     }
     RepeatColumns(out, columns, pitch);
   }
   const auto widen = [&](size_t from, size_t to, size_t across, size_t down) {
     for (size_t row = 0; row < rows; ++row) {
-      const uint32_t* a = image->box.data() + from * stride + row * pitch;
-      const uint32_t* b = image->box.data() + from * stride + std::min(row + down, rows - 1) * pitch;
-      uint32_t* out = image->box.data() + to * stride + row * pitch;
-      for (const ScanImage::Run& run : image->runs) {
+      const uint32_t* a = tables->box.data() + from * stride + row * pitch;
+      const uint32_t* b = tables->box.data() + from * stride + std::min(row + down, rows - 1) * pitch;
+      uint32_t* out = tables->box.data() + to * stride + row * pitch;
+      for (const GridColumns::Run& run : image.runs) {
         HWY_DYNAMIC_DISPATCH(LeastPair)
         (reinterpret_cast<const uint16_t*>(a + run.first), reinterpret_cast<const uint16_t*>(b + run.first),
          2 * across, 2 * (run.last - run.first), reinterpret_cast<uint16_t*>(out + run.first));
@@ -158,53 +160,54 @@ void BoxTables(const ImageOptions& options, ScanImage* image) {
       RepeatColumns(out, columns, pitch);
     }
   };
-  for (int s = 0; s < image->box_shift; ++s) widen(0, 0, size_t{1} << s, 0);
-  for (size_t k = 1; k < ScanImage::kBoxLevels; ++k) {
-    widen(k - 1, k, size_t{1} << (k - 1 + static_cast<size_t>(image->box_shift)), size_t{1} << (k - 1));
+  for (int s = 0; s < tables->box_shift; ++s) widen(0, 0, size_t{1} << s, 0);
+  for (size_t k = 1; k < FreeSpaceTables::kBoxLevels; ++k) {
+    widen(k - 1, k, size_t{1} << (k - 1 + static_cast<size_t>(tables->box_shift)), size_t{1} << (k - 1));
   }
 }
 
 }  // namespace
 
-void PrepareTables(ScanImage* image) {
-  const auto pitch = static_cast<size_t>(image->pitch), columns = static_cast<size_t>(image->columns);
-  const auto rows = static_cast<size_t>(image->rows);
+FreeSpaceTables::FreeSpaceTables(const RangeImage& of) : image(&of), pitch(of.columns + kPad) {
+  const BeamGrid& grid = *of.grid;
+  const auto width = static_cast<size_t>(pitch), columns = static_cast<size_t>(grid.columns);
+  const auto rows = static_cast<size_t>(grid.rows);
   constexpr size_t kRowsBelow = CubeSlopes::kRows[CubeSlopes::kWindows - 1];  // windows may reach out
-  for (std::vector<float>& table : image->own) table.resize((rows + kRowsBelow) * pitch + kSlack);
-  for (std::vector<float>& table : image->surround) {
-    table.resize((rows + 1 + kRowsBelow) * pitch + kSlack);
+  for (std::vector<float>& table : own) table.resize((rows + kRowsBelow) * width + kSlack);
+  for (std::vector<float>& table : surround) {
+    table.resize((rows + 1 + kRowsBelow) * width + kSlack);
   }
 
-  const double ratio = image->grid->mean_row_pitch_rad / image->grid->column_pitch_rad;
+  const double ratio = grid.mean_row_pitch_rad / grid.column_pitch_rad;
   const int bias = static_cast<int>(std::lround(std::log2(ratio)));
-  for (int k = 0; k < ScanImage::kLevels; ++k) {
+  for (int k = 0; k < kLevels; ++k) {
     const auto level = static_cast<size_t>(k);
     const int tall = 1 << (k == 0 ? 0 : std::max(1, k - std::max(bias, 0)));
-    image->window_rows[level] = tall;
-    image->window_columns[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(-bias, 0)));
-    if (k >= 2)
-      image->window[level].resize((rows + static_cast<size_t>(tall) - 1 + kRowsBelow) * pitch + kSlack);
+    window_rows[level] = tall;
+    window_columns[level] = 1 << (k == 0 ? 0 : std::max(1, k - std::max(-bias, 0)));
+    if (k >= 2) window[level].resize((rows + static_cast<size_t>(tall) - 1 + kRowsBelow) * width + kSlack);
   }
 
-  image->box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);
+  box_shift = std::clamp(static_cast<int>(std::ceil(std::log2(ratio))), 0, 3);
   // Repeated columns: the widest step from level to level, and a whole vector.
-  image->box_pitch = columns + (size_t{1} << (ScanImage::kBoxLevels - 2 + image->box_shift)) + 32;
-  image->box_stride = rows * image->box_pitch + kSlack;
-  image->box.resize(ScanImage::kBoxLevels * image->box_stride);
-  image->row_bound.resize(columns + kSlack);
+  box_pitch = columns + (size_t{1} << (kBoxLevels - 2 + box_shift)) + 32;
+  box_stride = rows * box_pitch + kSlack;
+  box.resize(kBoxLevels * box_stride);
 }
 
-void BuildTables(const ImageOptions& options, ScanImage* image) {
+void BuildTables(const ImageOptions& options, const SurfaceImage& surface, FreeSpaceTables* tables) {
+  const RangeImage& image = *surface.image;
+  const auto pitch = static_cast<size_t>(tables->pitch);
   for (size_t k = 0; (1 << k) <= options.max_scale; ++k) {
-    for (size_t row = 0; row < static_cast<size_t>(image->rows); ++row) {
-      RepeatColumns(image->own[k].data() + row * static_cast<size_t>(image->pitch),
-                    static_cast<size_t>(image->columns), static_cast<size_t>(image->pitch));
+    for (size_t row = 0; row < static_cast<size_t>(image.rows); ++row) {
+      RepeatColumns(tables->own[k].data() + row * static_cast<size_t>(tables->pitch),
+                    static_cast<size_t>(image.columns), static_cast<size_t>(tables->pitch));
     }
   }
   ForEachDynamic(options.threads, 2, [&](size_t i, int) {
-    if (i == 0) return BoxTables(options, image);
-    for (size_t k = 0; (1 << k) <= options.max_scale; ++k) SurroundTable(*image, &image->surround[k]);
-    WindowTables(image);
+    if (i == 0) return BoxTables(options, surface, tables);
+    for (size_t k = 0; (1 << k) <= options.max_scale; ++k) SurroundTable(image, pitch, &tables->surround[k]);
+    WindowTables(tables);
   });
 }
 

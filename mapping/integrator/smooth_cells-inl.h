@@ -24,7 +24,7 @@ struct CellImages {
   int columns_before;  ///< of the window, left of the cell's left column
   float rows_end;      ///< rows - 0.5
   float pierce2;       ///< squared distance, metres
-  const ScanImage* image;
+  const FreeSpaceTables* tables;
 };
 
 /// A bit each of up to 64 cells.
@@ -114,9 +114,10 @@ template <typename Lookup>
 HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, float side) {
   const DF d;
   const DI di;
-  const ScanImage& image = *images.image;
+  const FreeSpaceTables& tables = *images.tables;
   const size_t lanes = hn::Lanes(d);
-  if (s.first_row >= image.rows) return {0, 0};  // all below the grid, and windows would leave the tables
+  if (s.first_row >= tables.image->rows)
+    return {0, 0};  // all below the grid, and windows would leave the tables
   const VF half = hn::Set(d, 0.5f);
   // From a cell to the window around it.
   const float* const around_first = images.around +
@@ -165,7 +166,7 @@ HWY_INLINE GroupBits TestSmoothBy(const CellImages& images, const Slopes& s, flo
     const VF row = hn::Floor(hn::Add(v, half)), column = hn::Floor(hn::Add(u, half));
     const VI cell =
         hn::ConvertTo(di, hn::Add(hn::Mul(row, hn::Set(d, static_cast<float>(images.columns))), column));
-    const Offsets ray = UnpackOffsets(d, hn::GatherIndex(di, image.offset.data(), cell));
+    const Offsets ray = UnpackOffsets(d, hn::GatherIndex(di, tables.image->offset.data(), cell));
     const VF eu = hn::Mul(hn::Sub(hn::Sub(u, column), ray.u), hn::Set(d, s.metres_per_column));
     const VF ev = hn::Mul(hn::Sub(hn::Sub(v, row), ray.v), hn::Set(d, s.metres_per_row));
     const MF through = hn::Lt(hn::Add(hn::Mul(eu, eu), hn::Mul(ev, ev)), hn::Set(d, images.pierce2));

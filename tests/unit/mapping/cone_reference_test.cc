@@ -151,7 +151,7 @@ TEST_P(ConeReference, EveryVoxelIsAsTheScalarRuleHasIt) {
   const auto changed = static_cast<double>(agreement_.changed);
   RecordProperty("differ", static_cast<int>(agreement_.differ));
   RecordProperty("unexplained", static_cast<int>(agreement_.unexplained));
-  EXPECT_GT(changed, 50000.0);
+  EXPECT_GT(changed, 30000.0);
   EXPECT_LE(static_cast<double>(agreement_.differ), kMostDiffer * changed);
   EXPECT_LE(static_cast<double>(agreement_.differ_near), kMostDifferNear * changed);
   EXPECT_LE(static_cast<double>(agreement_.unexplained), kMostUnexplained * changed);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/integrator/hit_scatter.h"
+#include "mapping/integrator/scan_memory.h"
 #include "mapping/integrator/simd_target.h"
 #include "tests/support/integrator_scenes.h"
 
@@ -32,19 +33,23 @@ class FillKernels : public ::testing::Test {
     const core::Pose at = core::MakePose(core::RotationFromYawPitchRoll(0.4, 0.03, -0.05), {0.3, -0.2, 0.1});
     const core::SpinEvent spin = tests::SpinThrough(Yard(), lidar_, 0.0, tests::StandingAt(at));
     options_.resolution_m = static_cast<float>(kResolution);
-    PrepareImage(grid_, &image_);
-    image_.pierce_voxels = 0.4f;
+    tables_.pierce_voxels = 0.4f;
     ColumnPoses poses;
     PosesOfScan(spin, true, &poses);
-    RemapScan(spin.scan, poses, options_, &image_);
-    FindPlanes(at.linear(), options_, &image_);
-    BuildTables(options_, &image_);
+    {
+      const MemoryLoan loan(spin.scan.size(), &surface_, &tables_, &rays_, &bins_);
+      ProjectScan({spin.scan, poses, options_, grid_}, &rays_);
+      BinRays(image_, rays_, &bins_);
+      MatchCells(rays_, options_, &bins_, &image_);
+    }
+    FindPlanes(at.linear(), options_, image_, {&surface_, &tables_});
+    BuildTables(options_, surface_, &tables_);
     hits_.Place(image_, at, kResolution, &frame_);
   }
 
   /// Cells from a cell's middle to its ray: columns (shift 0) or rows (16).
   double OffsetOf(size_t cell, int shift) const {
-    return static_cast<int16_t>(static_cast<uint32_t>(image_.offset[cell]) >> shift) / ScanImage::kPerCell;
+    return static_cast<int16_t>(static_cast<uint32_t>(image_.offset[cell]) >> shift) / RangeImage::kPerCell;
   }
   struct Projected {
     double u, v, distance;
@@ -78,15 +83,16 @@ class FillKernels : public ::testing::Test {
   }
   double Own(int row, int column) const {
     const int wrapped = (column % grid_.columns + grid_.columns) % grid_.columns;
-    return image_
-        .own[0][static_cast<size_t>(row) * static_cast<size_t>(image_.pitch) + static_cast<size_t>(wrapped)];
+    return tables_
+        .own[0][static_cast<size_t>(row) * static_cast<size_t>(tables_.pitch) + static_cast<size_t>(wrapped)];
   }
   /// The own beam keeps twice the support away, the ones around it once.
   double Veto(int row, int column) const {
     const size_t i = Cell(row, column);
     const double own = Own(row, column);
     if (image_.range[i] <= 0.0f) return own;
-    const Vec3 normal(image_.nx[i], image_.ny[i], image_.nz[i]), end(image_.x[i], image_.y[i], image_.z[i]);
+    const Vec3 normal(surface_.nx[i], surface_.ny[i], surface_.nz[i]),
+        end(image_.x[i], image_.y[i], image_.z[i]);
     const double inverse_cos = std::min(end.norm() / std::abs(normal.dot(end)), 60.0);
     double support = 0.0;
     for (const auto& axis : frame_.axis)
@@ -130,7 +136,11 @@ class FillKernels : public ::testing::Test {
   core::LidarModel lidar_ = core::FindLidarModel("os1_64");
   BeamGrid grid_ = MakeBeamGrid(lidar_);
   ImageOptions options_;
-  ScanImage image_;
+  RayBundle rays_;
+  RayBins bins_;
+  RangeImage image_{grid_};
+  SurfaceImage surface_{image_};
+  FreeSpaceTables tables_{image_};
   ScanFrame frame_;
   HitScatter hits_;
 };
@@ -143,7 +153,7 @@ TEST_F(FillKernels, FirstOrderHoldsToATenthOfAVoxel) {
     CubeSlopes s;
     OctantTests tests;
     const NodeKey corners[2] = {corner, corner};
-    TestOctants(image_, frame_, corners, &tests);
+    TestOctants(tables_, frame_, corners, &tests);
     for (size_t octant = 0; octant < 8; ++octant) {
       if ((tests.cubes.smooth >> octant & 1) == 0) continue;
       s = tests.slopes;
@@ -185,7 +195,7 @@ TEST_F(FillKernels, CubesSayNothingThatTheirVoxelsContradict) {
       y[i] = static_cast<float>(corner[i].y) + 0.5f * static_cast<float>(side);
       z[i] = static_cast<float>(corner[i].z) + 0.5f * static_cast<float>(side);
     }
-    const CubeTests tests = TestBoxes(image_, frame_, x, y, z, 0.5f * static_cast<float>(side));
+    const CubeTests tests = TestBoxes(tables_, frame_, x, y, z, 0.5f * static_cast<float>(side));
     EXPECT_EQ(tests.full & tests.mixed, 0u);
     for (int i = 0; i < 16; ++i) {
       const bool is_full = tests.full >> i & 1, is_gone = !is_full && (tests.mixed >> i & 1) == 0;
@@ -216,12 +226,12 @@ TEST_F(FillKernels, VoxelsAreFreeWherePlainArithmeticSaysSo) {
   for (int k = 0; k < 24000; ++k) {
     const NodeKey corner = RandomCorner(&rng, 8), corners[2] = {corner, corner};
     OctantTests tests;
-    TestOctants(image_, frame_, corners, &tests);
+    TestOctants(tables_, frame_, corners, &tests);
     const uint32_t mixed = tests.cubes.mixed & 0xff;
     if (mixed == 0) continue;
     smooth += __builtin_popcount(mixed & tests.cubes.smooth);
     VoxelBits free{};
-    TestVoxels(image_, frame_, corner, tests, 0, mixed, &free);
+    TestVoxels(tables_, frame_, corner, tests, 0, mixed, &free);
     for (int n = 0; n < kBlockVoxels; ++n) {
       const int vx = n & 7, vy = n >> 3 & 7, vz = n >> 6;
       if ((mixed >> ((vx >> 2) | (vy >> 2) << 1 | (vz >> 2) << 2) & 1) == 0) continue;
@@ -241,7 +251,7 @@ TEST_F(FillKernels, VoxelsAreFreeWherePlainArithmeticSaysSo) {
       // What must not: behind its own beam, or behind one of the four around it and off its own ray.
       const bool behind = !p.inside || p.distance - slack > Own(p.row, p.column);
       const bool vetoed = p.distance - slack > LeastVeto(row, row + 1, column, column + 1);
-      const bool pierced = FromOwnRay(p) < (image_.pierce_voxels + 2.0 * kSlackVoxels) * kResolution;
+      const bool pierced = FromOwnRay(p) < (tables_.pierce_voxels + 2.0 * kSlackVoxels) * kResolution;
       if (surely) {
         EXPECT_TRUE(is_free) << "u " << p.u << " v " << p.v << " distance " << p.distance;
       } else if (behind || (vetoed && !pierced)) {
@@ -271,7 +281,7 @@ TEST_F(FillKernels, WindowsBelowTheGridAskNothing) {
     for (int window = 0; window < CubeSlopes::kWindows; ++window) {
       s.window[0] = window;
       VoxelBits free{};
-      TestVoxels(image_, frame_, {0, 0, 0}, tests, 0, 1, &free);
+      TestVoxels(tables_, frame_, {0, 0, 0}, tests, 0, 1, &free);
       for (const uint64_t layer : free.layer) EXPECT_EQ(layer, 0u);
     }
   }

@@ -1,7 +1,7 @@
 // Images filled only where what is kept lies.
 #include <gtest/gtest.h>
 
-#include "mapping/integrator/scan_image.h"
+#include "mapping/integrator/grid_columns.h"
 #include "tests/support/integrator_scenes.h"
 
 namespace atlas::mapping {
@@ -12,11 +12,9 @@ using Field = OccupancyField;
 
 class ScanColumns : public ::testing::Test {
  protected:
-  ScanColumns() { PrepareImage(grid_, &image_); }
-
   size_t Filled() const {
     size_t filled = 0;
-    for (const ScanImage::Run& run : image_.runs) filled += run.last - run.first;
+    for (const GridColumns::Run& run : image_.runs) filled += run.last - run.first;
     return filled;
   }
   /// The column that a point falls into, by plain arithmetic.
@@ -29,7 +27,7 @@ class ScanColumns : public ::testing::Test {
 
   const core::LidarModel lidar_ = core::FindLidarModel("os1_64");
   const BeamGrid grid_ = MakeBeamGrid(lidar_);
-  ScanImage image_;
+  GridColumns image_{grid_};
 };
 
 TEST_F(ScanColumns, EveryPointOfTheBoxIsSeenWithAWindowAround) {
@@ -48,7 +46,7 @@ TEST_F(ScanColumns, EveryPointOfTheBoxIsSeenWithAWindowAround) {
       const Vec3 share(rng.Uniform(0, 1), rng.Uniform(0, 1), rng.Uniform(0, 1));
       const Vec3 p = box.min + share.cwiseProduct(box.max - box.min);
       const int column = ColumnOf(at, p);
-      for (const int aside : {-ScanImage::kPad, 0, ScanImage::kPad}) {
+      for (const int aside : {-GridColumns::kWindowReach, 0, GridColumns::kWindowReach}) {
         const int c = (column + aside + grid_.columns) % grid_.columns;
         ASSERT_TRUE(image_.Filled(static_cast<size_t>(c))) << "scene " << i << ", column " << c;
       }
