@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "core/errors.h"
-#include "mapping/integrator/chunk_fill.h"
 #include "mapping/integrator/dynamic_loop.h"
-#include "mapping/integrator/hit_scatter.h"
+#include "mapping/integrator/free_space/scan_memory.h"
 #include "mapping/integrator/integrator.h"
-#include "mapping/integrator/scan_memory.h"
+#include "mapping/integrator/surface/hit_scatter.h"
+#include "mapping/integrator/write/chunk_fill.h"
 
 namespace atlas::mapping {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mapping/integrator/occupancy_shift.h"
+#include "mapping/integrator/write/occupancy_shift.h"
 
 namespace atlas::mapping {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/lidar_model.h"
 #include "core/sensor_events.h"
-#include "mapping/integrator/occupancy_shift.h"
+#include "mapping/integrator/write/occupancy_shift.h"
 #include "mapping/octree/octree.h"
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/field_of_shape.h"

@@ -191,6 +191,33 @@ TEST_F(ExplainedPlanner, OfTheSimplestAct) {
   EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 8);
 }
 
+TEST_F(ExplainedPlanner, Find) {
+  const auto look = [&](std::vector<std::string> c) { return PlannerDecides(missions_.LoadBare(c)); };
+  const auto tryit = [&](const char* planner, const char* key, const char* a, const char* b,
+                         const std::vector<std::vector<std::string>>& contexts) {
+    for (const auto& extra : contexts) {
+      std::vector<std::string> c = kSmall;
+      c.insert(c.begin(), std::string("planner=") + planner);
+      c.insert(c.end(), extra.begin(), extra.end());
+      auto one = c, two = c;
+      one.push_back(std::string(key) + "=" + a);
+      two.push_back(std::string(key) + "=" + b);
+      bool acts = look(one) != look(two);
+      std::string t;
+      for (auto& e : extra) t += e + " ";
+      printf("FIND %s %s %s/%s [%s] %d\n", planner, key, a, b, t.c_str(), acts);
+    }
+  };
+  tryit("frontier", "planner.dropped_after", "1", "3", {{}, {"planner.frontier_m2=0"}, {"planner.frontier_m2=0.1", "planner.nodes=20"}, {"planner.frontier_m2=0.01", "planner.headings=4"}});
+  tryit("frontier", "planner.dropped_after", "1", "2", {{}, {"planner.frontier_m2=0"}, {"planner.frontier_m2=0.1", "planner.nodes=20"}, {"planner.frontier_m2=0.01", "planner.headings=4"}});
+  tryit("frontier", "planner.blocked_share", "0.01", "1", {{"planner.frontier_m2=100"}, {"planner.frontier_m2=0.5"}, {"planner.nodes=20", "planner.frontier_m2=100", "planner.headings=8"}, {"planner.nodes=20","planner.frontier_m2=1"}});
+  tryit("frontier", "planner.rrt_star_iterations", "0", "1000", {{}, {"planner.nodes=15"}});
+  tryit("random", "planner.rrt_star_iterations", "0", "1000", {{}});
+  tryit("random", "planner.rrt_star_iterations", "100", "0", {{}});
+  tryit("explore", "planner.rrt_star_iterations", "100", "0", {{}, {"planner.nodes=15"}});
+  tryit("explore", "planner.commit_margin", "10", "0", {{}, {"planner.behind_penalty=0.9","planner.nodes=20"},{"planner.behind_penalty=0.9","planner.nodes=20","planner.headings=8"}, {"planner.time_scale_s=5"}, {"planner.nodes=15","planner.time_scale_s=5"}, {"planner.nodes=20","planner.headings=8", "planner.distrust_m=0"}});
+}
+
 TEST_F(ExplainedPlanner, OfTheRouteAct) {
   probe_.SeeItAct("planner.route", {"planner=route", "planner.route=[0 -3, 0 -2.5 0]"},
                   {{}, "[0 -3, 0 -2 0]"});

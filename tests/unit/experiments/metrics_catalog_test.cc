@@ -92,7 +92,7 @@ TEST(Metrics, SummariesFollowTheScans) {
 
 TEST(Metrics, WhatWasNotMeasuredIsNotWritten) {
   JudgedScan kinematic = Scan(1, 0.4);
-  kinematic.safety = {};
+  kinematic.safety.measured = false;
   kinematic.score.error = {};
   const Fed fed = FeedAll({kinematic});
   for (const char* key : {"falls", "collisions", "worst_foot_drop_m", "cloud_error_m_mean"}) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/errors.h"
-#include "mapping/integrator/project-inl.h"
+#include "mapping/integrator/projection/project-inl.h"
 
 namespace atlas::mapping {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "mapping/integrator/integrator.h"
-#include "mapping/integrator/occupancy_shift.h"
+#include "mapping/integrator/write/occupancy_shift.h"
 #include "tests/support/shape_scans.h"
 
 namespace atlas {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/integrator/occupancy_shift.h"
+#include "mapping/integrator/write/occupancy_shift.h"
 #include "mapping/meshing/marching_cubes.h"
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/field_of_shape.h"

@@ -1,5 +1,5 @@
 // Evidence added many voxels at a time, against one voxel at a time in plain arithmetic.
-#include "mapping/integrator/occupancy_apply.h"
+#include "mapping/integrator/write/occupancy_apply.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Images filled only where what is kept lies.
 #include <gtest/gtest.h>
 
-#include "mapping/integrator/grid_columns.h"
+#include "mapping/integrator/projection/grid_columns.h"
 #include "tests/support/integrator_scenes.h"
 
 namespace atlas::mapping {
