@@ -79,7 +79,8 @@ void GroundPlan::Learn(const mapping::TraversableGround& ground) {
   Cover(min_x, min_y, cols, rows);
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < cols; ++c) {
-      const GroundKind now = ground.KindAt(cell_m_ * core::Vec2(min_x + c + 0.5, min_y + r + 0.5));
+      const GroundKind now =
+          ground.KindAt(ground.OnRobotsLevel(cell_m_ * core::Vec2(min_x + c + 0.5, min_y + r + 0.5), 0.0));
       GroundKind& known = kind_[static_cast<size_t>(r + min_y - min_y_) * static_cast<size_t>(cols_) +
                                 static_cast<size_t>(c + min_x - min_x_)];
       const bool tells_nothing =

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mapping/terrain/layered_grid.h"
+#include "mapping/terrain/level_queries.h"
 #include "mapping/terrain/ray_ingest.h"
 #include "mapping/terrain/traversability.h"
 
@@ -45,7 +46,8 @@ struct ElevationMap::Impl {
         robot(r),
         grid(p.cell_m, EvenCells(p.window_m + 2.0 * kStoreMargin_m, p.cell_m)),
         headroom(p.window_m + 2.0 * kStoreMargin_m),
-        ingest(&grid, &headroom) {
+        ingest(&grid, &headroom),
+        queries(params, robot, &published) {
     wave.link_m = static_cast<float>(p.negative_obstacle_m);
     wave.step_m = static_cast<float>(p.critical_step_m);
     wave.headroom_m = static_cast<float>(r.stance_height_m + r.body_top_m + kHeadroomMargin_m);
@@ -61,53 +63,15 @@ struct ElevationMap::Impl {
     if (std::abs(ix - centre_x) > limit || std::abs(iy - centre_y) > limit) grid.CenterOn(ix, iy);
   }
 
-  /// Index into the published image, or -1 outside.
-  int IndexAt(double x, double y) const {
-    const int c = grid.IndexOf(x) - image.min_x, r = grid.IndexOf(y) - image.min_y;
-    if (c < 0 || r < 0 || c >= image.side || r >= image.side) return -1;
-    return r * image.side + c;
-  }
-
-  double clearance_m(double x, double y, const std::vector<int16_t>& distance2) const {
-    const int i = IndexAt(x, y);
-    return i < 0 ? 0.0 : params.cell_m * std::sqrt(distance2[static_cast<size_t>(i)]);
-  }
-
-  /// No cell at distance 0 has its centre in the rectangle: halved until a distance decides.
-  bool RectangleClear(const core::Vec2& centre, const core::Vec2& along, double half_length,
-                      double half_width, const std::vector<int16_t>& distance2) const {
-    const int i = IndexAt(centre.x(), centre.y());
-    if (i < 0 || distance2[static_cast<size_t>(i)] == 0) return false;
-    const double reach = std::hypot(half_length, half_width);
-    if (reach <= 0.5 * params.cell_m) return true;
-    const double clear = params.cell_m * std::sqrt(distance2[static_cast<size_t>(i)]);
-    if (clear > reach + 0.71 * params.cell_m) return true;
-    if (half_length >= half_width) {
-      const core::Vec2 shift = 0.5 * half_length * along;
-      return RectangleClear(centre - shift, along, 0.5 * half_length, half_width, distance2) &&
-             RectangleClear(centre + shift, along, 0.5 * half_length, half_width, distance2);
-    }
-    const core::Vec2 shift = 0.5 * half_width * core::Vec2(-along.y(), along.x());
-    return RectangleClear(centre - shift, along, half_length, 0.5 * half_width, distance2) &&
-           RectangleClear(centre + shift, along, half_length, 0.5 * half_width, distance2);
-  }
-
   TerrainParams params;
   core::RobotExtent robot;
   terrain::LayeredGrid grid;
   terrain::HeadroomGrid headroom;
   terrain::RayIngest ingest;
   terrain::WaveParams wave;
-  terrain::GroundImage ground;
-  /// What queries read, and where the robot was then.
-  struct Published {
-    terrain::TerrainImage image;
-    core::Vec2 centre = core::Vec2::Zero();
-    float ground_m = 0.0f;
-  };
-  Published published, fresh;
+  terrain::Published published, fresh;
   bool refreshed = false;  ///< fresh is newer than published
-  const terrain::TerrainImage& image = published.image;
+  terrain::LevelQueries queries;
   core::Pose base = core::Pose::Identity();
   bool foot_down[4] = {false, false, false, false};
 };
@@ -174,15 +138,17 @@ void ElevationMap::Refresh() {
   Impl& m = *impl_;
   const double cell = m.params.cell_m;
   const core::Vec2 robot = m.base.translation().head<2>();
-  m.ground.side = EvenCells(m.params.window_m + 2.0 * kMargin_m, cell);
-  m.ground.min_x = m.grid.IndexOf(robot.x()) - m.ground.side / 2;
-  m.ground.min_y = m.grid.IndexOf(robot.y()) - m.ground.side / 2;
-  FindGround(m.wave, robot, 0.5 * m.robot.half_width_m, m.ingest.ground_m(), &m.grid, &m.ground);
-  MarkHeadroom(m.headroom, cell, m.wave.headroom_m, &m.ground);
+  terrain::GroundImage where;
+  where.side = EvenCells(m.params.window_m + 2.0 * kMargin_m, cell);
+  where.min_x = m.grid.IndexOf(robot.x()) - where.side / 2;
+  where.min_y = m.grid.IndexOf(robot.y()) - where.side / 2;
+  std::vector<terrain::GroundImage> levels =
+      FindLevels(m.wave, {robot, 0.5 * m.robot.half_width_m, m.ingest.ground_m()}, where, &m.grid);
+  for (terrain::GroundImage& level : levels) MarkHeadroom(m.headroom, cell, m.wave.headroom_m, &level);
   const double reach = std::hypot(m.robot.half_length_m, m.robot.half_width_m);
   const int radius = static_cast<int>(
       std::ceil((std::max(reach, m.robot.footprint_radius_m) + 1.5 * m.params.edge_clearance_m) / cell) + 2);
-  m.fresh.image = AssessTerrain(m.params, m.ground, m.ground.side / 2, m.ground.side / 2, radius);
+  m.fresh.levels = AssessLevels(m.params, levels, where.side / 2, where.side / 2, radius);
   m.fresh.centre = robot;
   m.fresh.ground_m = m.ingest.ground_m();
   m.refreshed = true;
@@ -190,25 +156,26 @@ void ElevationMap::Refresh() {
 
 core::TerrainView::Ground ElevationMap::At(double x_odom, double y_odom) const {
   const Impl& m = *impl_;
-  const int i = m.IndexAt(x_odom, y_odom);
+  const int i = m.queries.IndexAt(x_odom, y_odom);
   Ground ground;
   if (i < 0) return ground;
+  const terrain::TerrainImage& image = m.published.levels.front();
   const size_t at = static_cast<size_t>(i);
-  const float own = m.image.height_m[at];
+  const float own = image.height_m[at];
   ground.known = std::isfinite(own);
   if (!ground.known) return ground;
-  ground.steppable = m.image.steppable[at] != 0;
+  ground.steppable = image.steppable[at] != 0;
   // Bilinear between the four nearest centres, of which those across an edge count as this cell.
   const double u = x_odom / m.params.cell_m - 0.5, v = y_odom / m.params.cell_m - 0.5;
   const int c = static_cast<int>(std::floor(u)), r = static_cast<int>(std::floor(v));
   const double fu = u - c, fv = v - r;
   double height = 0.0;
   for (int k = 0; k < 4; ++k) {
-    const int col = c + (k & 1) - m.image.min_x, row = r + (k >> 1) - m.image.min_y;
+    const int col = c + (k & 1) - image.min_x, row = r + (k >> 1) - image.min_y;
     const double weight = ((k & 1) ? fu : 1.0 - fu) * ((k >> 1) ? fv : 1.0 - fv);
     float z = own;
-    if (col >= 0 && row >= 0 && col < m.image.side && row < m.image.side) {
-      const float other = m.image.height_m[m.image.Index(row, col)];
+    if (col >= 0 && row >= 0 && col < image.side && row < image.side) {
+      const float other = image.height_m[image.Index(row, col)];
       if (std::abs(other - own) <= kSmoothQuery_m) z = other;
     }
     height += weight * z;
@@ -217,48 +184,23 @@ core::TerrainView::Ground ElevationMap::At(double x_odom, double y_odom) const {
   return ground;
 }
 
-double ElevationMap::Traversability(const core::Vec2& p_odom) const {
-  const int i = impl_->IndexAt(p_odom.x(), p_odom.y());
-  return i < 0 ? 0.0 : impl_->image.traversability[static_cast<size_t>(i)];
+TraversableGround::Levels ElevationMap::LevelsAt(const core::Vec2& p_odom) const {
+  return impl_->queries.LevelsAt(p_odom);
 }
-
-GroundKind ElevationMap::KindAt(const core::Vec2& p_odom) const {
-  const int i = impl_->IndexAt(p_odom.x(), p_odom.y());
-  return i < 0 ? GroundKind::kUnknown : impl_->image.kind[static_cast<size_t>(i)];
+double ElevationMap::Traversability(const core::Vec3& p_odom) const {
+  return impl_->queries.Traversability(p_odom);
 }
-
-bool ElevationMap::FootprintFree(const core::Vec2& p_odom, double yaw_rad) const {
-  const Impl& m = *impl_;
-  const core::Vec2 along(std::cos(yaw_rad), std::sin(yaw_rad));
-  const double rim = m.params.edge_clearance_m;
-  return m.RectangleClear(p_odom, along, m.robot.half_length_m, m.robot.half_width_m,
-                          m.image.distance2_blocked) &&
-         m.RectangleClear(p_odom, along, m.robot.half_length_m + rim, m.robot.half_width_m + rim,
-                          m.image.distance2_open);
+GroundKind ElevationMap::KindAt(const core::Vec3& p_odom) const {
+  return impl_->queries.KindAt(p_odom);
 }
-
-bool ElevationMap::CircleFree(const core::Vec2& p_odom) const {
-  const Impl& m = *impl_;
-  const double radius = m.robot.footprint_radius_m;
-  return m.clearance_m(p_odom.x(), p_odom.y(), m.image.distance2_blocked) >= radius &&
-         m.clearance_m(p_odom.x(), p_odom.y(), m.image.distance2_open) >= radius + m.params.edge_clearance_m;
+bool ElevationMap::FootprintFree(const core::Vec3& p_odom, double yaw_rad) const {
+  return impl_->queries.FootprintFree(p_odom, yaw_rad);
 }
-
-ElevationMap::Surface ElevationMap::SurfaceAt(const core::Vec2& p_odom) const {
-  const Impl& m = *impl_;
-  Surface surface;
-  surface.height_m = m.published.ground_m;
-  const int i = m.IndexAt(p_odom.x(), p_odom.y());
-  if (i < 0) return surface;
-  const int row = i / m.image.side, col = i % m.image.side;
-  const terrain::PlaneFits& planes = m.image.planes;
-  const size_t block =
-      static_cast<size_t>(row / 2) * static_cast<size_t>(planes.cols) + static_cast<size_t>(col / 2);
-  if (!std::isfinite(planes.height_m[block])) return surface;
-  surface.height_m = planes.height_m[block];
-  surface.slope_rad = planes.slope_rad[block];
-  surface.roughness_m = planes.roughness_m[block];
-  return surface;
+bool ElevationMap::CircleFree(const core::Vec3& p_odom) const {
+  return impl_->queries.CircleFree(p_odom);
+}
+ElevationMap::Surface ElevationMap::SurfaceAt(const core::Vec3& p_odom) const {
+  return impl_->queries.SurfaceAt(p_odom);
 }
 
 core::Box3 ElevationMap::Window() const {
@@ -282,11 +224,13 @@ ElevationMap::Grid ElevationMap::Export() const {
   out.origin = core::Vec2(min_x, min_y) * m.params.cell_m;
   for (int r = 0; r < out.rows; ++r) {
     for (int c = 0; c < out.cols; ++c) {
-      const int i = m.IndexAt((min_x + c + 0.5) * out.cell_m, (min_y + r + 0.5) * out.cell_m);
-      out.height_m.push_back(i < 0 ? std::numeric_limits<float>::quiet_NaN()
-                                   : m.image.height_m[static_cast<size_t>(i)]);
-      out.traversability.push_back(i < 0 ? 0.0f : m.image.traversability[static_cast<size_t>(i)]);
-      out.kind.push_back(i < 0 ? GroundKind::kUnknown : m.image.kind[static_cast<size_t>(i)]);
+      const int i = m.queries.IndexAt((min_x + c + 0.5) * out.cell_m, (min_y + r + 0.5) * out.cell_m);
+      const size_t at = static_cast<size_t>(i);
+      const terrain::TerrainImage* image = i < 0 ? nullptr : &m.published.levels.front();
+      out.height_m.push_back(image == nullptr ? std::numeric_limits<float>::quiet_NaN()
+                                              : image->height_m[at]);
+      out.traversability.push_back(image == nullptr ? 0.0f : image->traversability[at]);
+      out.kind.push_back(image == nullptr ? GroundKind::kUnknown : image->kind[at]);
     }
   }
   return out;

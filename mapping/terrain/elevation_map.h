@@ -3,7 +3,9 @@
 // Frame: odometry (z up), in which nothing jumps; PosedGround shows it in the map. The window moves with the
 // robot; a cell keeps up to four layers of returns (mean, lowest, highest, support) and counts the rays that
 // crossed the ground's height without meeting it, so that a grating is not read as the floor below, an
-// overhang is not read as ground, and a hole is known as one.
+// overhang is not read as ground, and a hole is known as one. Floors above one another are levels of their
+// own (ground_wave.h): returns of another floor are kept while it is at most 4 m below or 2.5 m above the
+// robot, and stay when the robot goes on to it or comes back.
 //
 // Events and Refresh() are taken from one thread at a time; queries read what Publish() last put up, which
 // Refresh() does not touch, so that they may go on beside it on any number of threads.
@@ -55,17 +57,20 @@ class ElevationMap : public core::SensorSink, public core::TerrainView, public T
   /// Both: call before querying after new events.
   void Update();
 
+  /// Of the level that the robot stands on.
   Ground At(double x_odom, double y_odom) const override;
 
   using Surface = TraversableGround::Surface;
-  double Traversability(const core::Vec2& p_odom) const override;
-  GroundKind KindAt(const core::Vec2& p_odom) const override;
-  bool FootprintFree(const core::Vec2& p_odom, double yaw_rad) const override;
-  bool CircleFree(const core::Vec2& p_odom) const override;
-  Surface SurfaceAt(const core::Vec2& p_odom) const override;
+  Levels LevelsAt(const core::Vec2& p_odom) const override;
+  double Traversability(const core::Vec3& p_odom) const override;
+  GroundKind KindAt(const core::Vec3& p_odom) const override;
+  bool FootprintFree(const core::Vec3& p_odom, double yaw_rad) const override;
+  bool CircleFree(const core::Vec3& p_odom) const override;
+  Surface SurfaceAt(const core::Vec3& p_odom) const override;
   core::Box3 Window() const override;
 
-  /// For pictures and logs: a row-major grid over Window(), row = y, height NaN where unknown.
+  /// For pictures and logs: the robot's level, a row-major grid over Window(), row = y, height NaN where
+  /// unknown.
   struct Grid {
     int rows = 0, cols = 0;
     double cell_m = 0.0;

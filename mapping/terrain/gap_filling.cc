@@ -12,8 +12,9 @@ constexpr int kManyCrossings = 30;  ///< in 5 x 5 cells: bars that stop one ray 
 constexpr int kRaysPerGroundReturn =
     10;  ///< of the rays that meet a cell of a grating, at most, for one that its bars stop
 constexpr float kSmoothGate_m = 0.04f;  ///< neighbours less apart are averaged; a kerb keeps its edge
-constexpr int kRelaxations = 2;         ///< of interpolated heights; most gaps are a cell or two wide
-constexpr int kSpeckleCells = 8;        ///< of 5 x 5, at least, for ground amid crossings to count
+constexpr float kAny_m = std::numeric_limits<float>::infinity();
+constexpr int kRelaxations = 2;   ///< of interpolated heights; most gaps are a cell or two wide
+constexpr int kSpeckleCells = 8;  ///< of 5 x 5, at least, for ground amid crossings to count
 
 /// Calls visit(j) for the valid 8-neighbours j of cell i; the outermost ring has none.
 template <typename Visit>
@@ -116,46 +117,55 @@ std::vector<float> Smooth(const std::vector<float>& height, const Mask& solid, i
   return out;
 }
 
-/// Grows heights from the rim of each gap inwards, then relaxes them.
-void Interpolate(const std::vector<size_t>& gaps, int side, int rounds, Support* support) {
-  std::vector<size_t> filled, waiting(gaps);
-  for (int round = 0; round < rounds && !waiting.empty(); ++round) {
+/// Mean of the solid neighbours of a cell, of those only that are at most `alike_m` above the lowest; NaN
+/// where none is solid.
+float MeanAbout(const std::vector<float>& height_m, const Mask& solid, size_t i, int side, float alike_m) {
+  float lowest = std::numeric_limits<float>::infinity();
+  ForNeighbours(i, side, [&](size_t j) {
+    if (solid[j]) lowest = std::min(lowest, height_m[j]);
+  });
+  float sum = 0.0f;
+  int n = 0;
+  ForNeighbours(i, side, [&](size_t j) {
+    if (!solid[j] || height_m[j] > lowest + alike_m) return;
+    sum += height_m[j];
+    ++n;
+  });
+  return sum / static_cast<float>(n);
+}
+
+/// Cells to fill; at most so many rounds reach their middle.
+struct Gaps {
+  std::vector<size_t> cells;
+  int side, rounds;
+};
+
+/// Grows heights from the rim of each gap inwards, then relaxes them. Returns the cells that were reached.
+std::vector<size_t> Interpolate(const Gaps& gaps, float alike_m, Mask solid, std::vector<float>* height_m) {
+  const int side = gaps.side;
+  std::vector<size_t> filled, waiting(gaps.cells);
+  for (int round = 0; round < gaps.rounds && !waiting.empty(); ++round) {
     std::vector<std::pair<size_t, float>> grown;
     std::vector<size_t> later;
     for (const size_t i : waiting) {
-      float sum = 0.0f;
-      int n = 0;
-      ForNeighbours(i, side, [&](size_t j) {
-        if (!support->solid[j]) return;
-        sum += support->height_m[j];
-        ++n;
-      });
-      if (n > 0) {
-        grown.emplace_back(i, sum / static_cast<float>(n));
-      } else {
+      const float height = MeanAbout(*height_m, solid, i, side, alike_m);
+      if (std::isnan(height)) {
         later.push_back(i);
+      } else {
+        grown.emplace_back(i, height);
       }
     }
     for (const auto& [i, height] : grown) {
-      support->height_m[i] = height;
-      support->solid[i] = 1;
-      support->filled[i] = 1;
+      (*height_m)[i] = height;
+      solid[i] = 1;
       filled.push_back(i);
     }
     waiting.swap(later);
   }
   for (int pass = 0; pass < kRelaxations; ++pass) {
-    for (const size_t i : filled) {
-      float sum = 0.0f;
-      int n = 0;
-      ForNeighbours(i, side, [&](size_t j) {
-        if (!support->solid[j]) return;
-        sum += support->height_m[j];
-        ++n;
-      });
-      if (n > 0) support->height_m[i] = sum / static_cast<float>(n);
-    }
+    for (const size_t i : filled) (*height_m)[i] = MeanAbout(*height_m, solid, i, side, alike_m);
   }
+  return filled;
 }
 
 }  // namespace
@@ -180,12 +190,17 @@ Support FindSupport(double cell_m, double max_fill_m, const GroundImage& ground)
   OpenByDisc(
       closed, d2, side, seen_radius, [&](size_t i) { return SeenThrough(ground, i); }, &support.open);
 
-  std::vector<size_t> gaps;
+  Gaps gaps{{}, side, static_cast<int>(std::ceil(radius)) + 1};
   for (size_t i = 0; i < closed.size(); ++i) {
-    if (!closed[i] && !support.open[i]) gaps.push_back(i);
+    if (!closed[i] && !support.open[i]) gaps.cells.push_back(i);
   }
   support.height_m = Smooth(Smooth(support.height_m, support.solid, side), support.solid, side);
-  Interpolate(gaps, side, static_cast<int>(std::ceil(radius)) + 1, &support);
+  support.low_m = support.height_m;
+  Interpolate(gaps, kSmoothGate_m, support.solid, &support.low_m);
+  for (const size_t i : Interpolate(gaps, kAny_m, support.solid, &support.height_m)) {
+    support.solid[i] = 1;
+    support.filled[i] = 1;
+  }
   for (size_t i = 0; i < closed.size(); ++i) support.open[i] = !support.solid[i] && !closed[i];
   return support;
 }

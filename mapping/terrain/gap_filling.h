@@ -11,6 +11,7 @@ namespace atlas::mapping::terrain {
 
 struct Support {
   std::vector<float> height_m;  ///< smoothed where solid; what was seen elsewhere; NaN where nothing
+  std::vector<float> low_m;     ///< the same, but gaps are as low as the lowest ground at their rim
   Mask solid;                   ///< measured or filled
   Mask open;                    ///< no support and no obstacle: hole, drop or unknown
   Mask filled;                  ///< solid by interpolation or between bars

@@ -196,6 +196,14 @@ std::vector<float> SlidingRange(const std::vector<float>& value, const Mask& val
   return high;
 }
 
+std::vector<float> SlidingMax(const std::vector<float>& value, const Mask& valid, int rows, int cols,
+                              int radius) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  std::vector<float> high(value);
+  for (size_t i = 0; i < value.size(); ++i) high[i] = valid[i] ? value[i] : -kInf;
+  return Slide(high, rows, cols, radius, -kInf, [](float a, float b) { return a > b ? a : b; });
+}
+
 std::vector<float> Ridges(const std::vector<float>& value, const Mask& valid, int rows, int cols,
                           int radius) {
   constexpr float kInf = std::numeric_limits<float>::infinity();

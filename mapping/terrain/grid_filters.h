@@ -17,6 +17,10 @@ std::vector<int16_t> SquaredDistance(const Mask& mask, int rows, int cols, int r
 std::vector<float> SlidingRange(const std::vector<float>& value, const Mask& valid, int rows, int cols,
                                 int radius);
 
+/// Highest value among the valid cells of the (2 radius + 1)^2 square about each cell; -infinity where none.
+std::vector<float> SlidingMax(const std::vector<float>& value, const Mask& valid, int rows, int cols,
+                              int radius);
+
 /// How far each valid cell stands out above what is left of the image once everything narrower than
 /// 2 radius + 1 cells along either axis is taken off (value minus its morphological opening); 0 elsewhere.
 std::vector<float> Ridges(const std::vector<float>& value, const Mask& valid, int rows, int cols, int radius);

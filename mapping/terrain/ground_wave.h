@@ -1,6 +1,16 @@
 // Which of a cell's layers is the ground: a wave that starts under the robot and goes outward, over linked
 // ground first, carrying the height at which ground is expected. So a floor below a grating, a table or an
 // arch is told from the surface that the robot stands on.
+//
+// The wave visits every cell once. Where linked ground leads it over ground that it visited already, floors
+// lie above one another; those that it could not take are levels of their own, each by a wave of its own:
+//
+//        c_____________   at `s` the first wave comes up the ramp to cells that it holds at height `r`
+//        already:
+//       /s                seeds of another level. The second wave starts there, takes the whole upper floor
+//      /                  `c`, and the ramp and the lower floor `b` besides, as far as no upper floor is
+//      above.
+//   b_/__r____________
 #pragma once
 
 #include <cstdint>
@@ -40,10 +50,22 @@ struct GroundImage {
   }
 };
 
-/// Fills `image` (its min_x, min_y and side say where) from `grid`, and hands the expected heights back to
-/// the grid. The wave starts from the cells within `seed_radius_m` of `robot`, where ground is at `ground_m`.
-/// @pre the image lies within the grid.
-void FindGround(const WaveParams& params, const core::Vec2& robot, double seed_radius_m, float ground_m,
-                LayeredGrid* grid, GroundImage* image);
+constexpr int kMostLevels = 4;
+
+/// Where the first wave starts: from the cells within `seed_radius_m` of the robot, where ground is at
+/// `ground_m`.
+struct WaveStart {
+  core::Vec2 robot = core::Vec2::Zero();
+  double seed_radius_m = 0.0;
+  float ground_m = 0.0f;
+};
+
+/// Ground by level, at most kMostLevels; the one that the robot stands on first. `where` gives the square
+/// (min_x, min_y, side). Expected heights of the first level are handed back to the grid, which counts
+/// crossings by them: rays that went through another level's ground are not counted, its images have 0, and a
+/// hole in it is known by the floor that was seen below it.
+/// @pre the square lies within the grid.
+std::vector<GroundImage> FindLevels(const WaveParams& params, const WaveStart& start,
+                                    const GroundImage& where, LayeredGrid* grid);
 
 }  // namespace atlas::mapping::terrain

@@ -7,7 +7,7 @@
 namespace atlas::mapping::terrain {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
 /// The mean never becomes surer than 4 mm, so that it follows the slow motion of the map frame.
 constexpr float kMaxInfo = 1.0f / (0.004f * 0.004f);
 
@@ -67,8 +67,8 @@ LayeredGrid::LayeredGrid(double cell_m, int side_cells)
 void LayeredGrid::ClearSlot(size_t slot) {
   cells_[slot] = LayeredCell{};
   crossings_[slot] = 0;
-  assumed_m_[slot] = kNaN;
-  reference_m_[slot] = kNaN;
+  assumed_m_[slot] = kNoHeight;
+  reference_m_[slot] = kNoHeight;
 }
 
 void LayeredGrid::Clear() {

@@ -60,6 +60,7 @@ class LayeredGrid {
   void AddCrossing(size_t slot) {
     if (crossings_[slot] < 60000) ++crossings_[slot];
   }
+  void ForgetCrossings(size_t slot) { crossings_[slot] = 0; }
   void Assume(size_t slot, float z_m) { assumed_m_[slot] = z_m; }
   void SetReference(size_t slot, float z_m) { reference_m_[slot] = z_m; }
 

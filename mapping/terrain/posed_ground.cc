@@ -13,7 +13,13 @@ PosedGround::PosedGround(const TraversableGround& ground_odom, const core::Pose&
                   R_odom_map_.transpose() * T_odom_base.translation().head<2>()),
       lift_m_(T_map_base.translation().z() - T_odom_base.translation().z()) {}
 
-TraversableGround::Surface PosedGround::SurfaceAt(const Vec2& p_map) const {
+TraversableGround::Levels PosedGround::LevelsAt(const Vec2& p_map) const {
+  Levels levels = ground_.LevelsAt(ToOdom(p_map));
+  for (int k = 0; k < levels.count; ++k) levels.height_m[static_cast<size_t>(k)] += lift_m_;
+  return levels;
+}
+
+TraversableGround::Surface PosedGround::SurfaceAt(const core::Vec3& p_map) const {
   Surface surface = ground_.SurfaceAt(ToOdom(p_map));
   surface.height_m += lift_m_;
   return surface;

@@ -8,6 +8,10 @@ namespace atlas::mapping::terrain {
 namespace {
 
 constexpr float kKeepBelow_m = 4.0f, kKeepAbove_m = 2.5f;
+/// More than the robot is tall. What a rising ray meets farther above the ground expected there is a ceiling,
+/// or a wall's upper part: in nobody's way, and no ground, though a slab is thin enough for its underside to
+/// be taken for its upper side.
+constexpr float kOverhead_m = 1.0f;
 constexpr double kSamePose_s = 1e-3;    ///< rays this close in time share a pose
 constexpr float kRangeSigma_m = 0.01f;  ///< along a LiDAR's ray
 constexpr float kAttitudeSigma_rad = 0.002f;
@@ -42,10 +46,13 @@ struct PoseF {
 
 }  // namespace
 
-void RayIngest::AddReturn(const core::Vec3f& p_odom, float variance_m2) {
+void RayIngest::AddReturn(const core::Vec3f& p_odom, const core::Vec3f& direction, float variance_m2) {
   if (!(p_odom.z() > ground_m_ - kKeepBelow_m && p_odom.z() < ground_m_ + kKeepAbove_m)) return;
   const int ix = grid_.IndexOf(p_odom.x()), iy = grid_.IndexOf(p_odom.y());
-  if (grid_.Contains(ix, iy)) grid_.AddHeight(grid_.Slot(ix, iy), p_odom.z(), variance_m2);
+  if (!grid_.Contains(ix, iy)) return;
+  const size_t slot = grid_.Slot(ix, iy);
+  if (direction.z() > 0.0f && p_odom.z() > grid_.reference_m(slot) + kOverhead_m) return;
+  grid_.AddHeight(slot, p_odom.z(), variance_m2);
 }
 
 void RayIngest::AddClearRay(const core::Vec3f& origin, const core::Vec3f& direction, float clear_m) {
@@ -90,7 +97,7 @@ void RayIngest::AddSpin(const core::SpinEvent& spin) {
       AddClearRay(T.t, direction, clear);
       if (column % column_stride == 0 && row % row_stride == 0) headroom_.AddClearRay(T.t, direction, clear);
       if (kind == core::ReturnKind::kHit)
-        AddReturn(T.t + clear * direction, LidarVariance(direction.z(), clear));
+        AddReturn(T.t + clear * direction, direction, LidarVariance(direction.z(), clear));
     }
   }
 }
@@ -118,7 +125,7 @@ void RayIngest::AddDepth(const core::DepthEvent& event, const core::Pose& T_odom
       if (on_robot) continue;
       const float length = reach.norm();
       AddClearRay(T.t, reach / length, length);
-      AddReturn(p_odom, DepthVariance(depth));
+      AddReturn(p_odom, reach, DepthVariance(depth));
     }
   }
 }

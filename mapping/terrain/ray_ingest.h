@@ -26,7 +26,8 @@ class RayIngest {
   void AddFoot(const core::Vec3& p_odom, double sigma_m);
 
  private:
-  void AddReturn(const core::Vec3f& p_odom, float variance_m2);
+  /// `direction` is that of the ray.
+  void AddReturn(const core::Vec3f& p_odom, const core::Vec3f& direction, float variance_m2);
   /// The ray is clear from `origin` for `clear_m` along `direction` (unit).
   void AddClearRay(const core::Vec3f& origin, const core::Vec3f& direction, float clear_m);
 

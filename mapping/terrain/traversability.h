@@ -14,6 +14,7 @@ namespace atlas::mapping::terrain {
 /// What queries read. Row-major, row = y; cell (r, c) is grid cell (min_x + c, min_y + r).
 struct TerrainImage {
   int min_x = 0, min_y = 0, side = 0;
+  std::vector<float> level_m;   ///< where this level's ground is, or is expected
   std::vector<float> height_m;  ///< of the supporting surface; of what is seen elsewhere; NaN where neither
   Mask solid;                   ///< supporting surface, measured or filled
   Mask steppable;
@@ -33,5 +34,14 @@ struct TerrainImage {
 /// @param robot_row,robot_col  where the robot stands: cells that no traversable way joins to it block.
 TerrainImage AssessTerrain(const TerrainParams& params, const GroundImage& ground, int robot_row,
                            int robot_col, int distance_radius);
+
+/// Of levels over the same square, the robot's first. A way leads from one to another where both hold the
+/// same ground. @pre there is one.
+std::vector<TerrainImage> AssessLevels(const TerrainParams& params, const std::vector<GroundImage>& levels,
+                                       int robot_row, int robot_col, int distance_radius);
+
+/// Ground of two levels is the same where its heights differ by less: they come from the same returns, and
+/// were smoothed among different neighbours.
+constexpr float kSameGround_m = 0.06f;
 
 }  // namespace atlas::mapping::terrain

@@ -37,7 +37,7 @@ class CellGrid {
     kind_.resize(static_cast<size_t>(cols_) * static_cast<size_t>(rows_));
     mapping::terrain::Mask blocked(kind_.size());
     for (int i = 0; i < count(); ++i) {
-      kind_[At(i)] = ground.KindAt(CenterOf(i));
+      kind_[At(i)] = ground.KindAt(ground.OnRobotsLevel(CenterOf(i), 0.0));
       blocked[At(i)] = kind_[At(i)] != mapping::GroundKind::kFree;
     }
     distance2_ = mapping::terrain::SquaredDistance(blocked, rows_, cols_, reach_);
@@ -76,6 +76,11 @@ class CellGrid {
   std::vector<int16_t> distance2_;
 };
 
+bool OnRobotsLevel(const mapping::TraversableGround& ground, const core::Vec3& place) {
+  const double apart = ground.OnRobotsLevel(place.head<2>(), place.z()).z() - place.z();
+  return std::abs(apart) <= mapping::TraversableGround::kSameLevel_m;
+}
+
 /// Cells where the robot can stand that are joined to a place of the tree or to the robot.
 std::vector<uint8_t> Covered(const CellGrid& grid, const Walkable& walkable, const CandidateTree& tree) {
   std::vector<uint8_t> covered(static_cast<size_t>(grid.count()), 0);
@@ -85,14 +90,16 @@ std::vector<uint8_t> Covered(const CellGrid& grid, const Walkable& walkable, con
     covered[static_cast<size_t>(i)] = 1;
     open.push_back(i);
   };
-  reach(grid.CellOf(walkable.start()));
-  for (const CandidateNode& node : tree.nodes) reach(grid.CellOf(node.p_map));
+  reach(grid.CellOf(walkable.start().head<2>()));
+  for (const CandidateNode& node : tree.nodes) {
+    if (OnRobotsLevel(walkable.ground(), node.place())) reach(grid.CellOf(node.p_map));
+  }
   while (!open.empty()) {
     const int i = open.back();
     open.pop_back();
     const int row = i / grid.cols(), col = i % grid.cols();
     const auto step = [&](int j) {
-      if (walkable.ground().CircleFree(grid.CenterOf(j))) reach(j);
+      if (walkable.ground().CircleFree(walkable.ground().OnRobotsLevel(grid.CenterOf(j), 0.0))) reach(j);
     };
     if (col > 0) step(i - 1);
     if (col + 1 < grid.cols()) step(i + 1);
@@ -246,7 +253,8 @@ class Search {
       return (other.p_map - way.p_map).norm() < kSamePlace_m;
     });
     BlockedWay& into = same == found->end() ? found->emplace_back(way) : *same;
-    const double ground_m = walkable_.ground().SurfaceAt(place).height_m;
+    const double ground_m =
+        walkable_.ground().SurfaceAt(walkable_.ground().OnRobotsLevel(place, 0.0)).height_m;
     into.beyond_map.emplace_back(place.x(), place.y(), ground_m);
   }
 
@@ -290,11 +298,13 @@ void BlockedWays::Learn(const Walkable& walkable, const CandidateTree& tree, std
   Correct(poses);
   const core::Box3& window = walkable.ground().Window();
   const auto in_window = [&](const core::Vec3& p) {
-    return window.Contains(core::Vec3(p.x(), p.y(), window.Center().z()));
+    return window.Contains(core::Vec3(p.x(), p.y(), window.Center().z())) &&
+           OnRobotsLevel(walkable.ground(), p);
   };
   const auto reached = [&](const core::Vec3& p) {
     return std::any_of(tree.nodes.begin(), tree.nodes.end(), [&](const CandidateNode& node) {
-      return (node.p_map - p.head<2>()).norm() < kBeyond_m;
+      return (node.p_map - p.head<2>()).norm() < kBeyond_m &&
+             std::abs(node.ground_m - p.z()) <= mapping::TraversableGround::kSameLevel_m;
     });
   };
   for (BlockedWay& way : ways_) {

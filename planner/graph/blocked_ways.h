@@ -18,9 +18,10 @@ struct Footprint {
   double edge_clearance_m = 0.10;  ///< kept from drops besides
 };
 
-/// All such ways of the terrain's window. The widest way (greatest least clearance) from the ground that
-/// `tree` covers leads to each place beyond; ways through one narrow place are one. Left out are ways that
-/// end at ground not seen yet on either side of the narrow place: a look may widen them.
+/// All such ways of the level that the robot stands on, in the terrain's window. The widest way (greatest
+/// least clearance) from the ground that `tree` covers leads to each place beyond; ways through one narrow
+/// place are one. Left out are ways that end at ground not seen yet on either side of the narrow place: a
+/// look may widen them.
 std::vector<BlockedWay> FindBlockedWays(const Walkable& walkable, const CandidateTree& tree,
                                         const Footprint& footprint);
 

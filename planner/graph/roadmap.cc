@@ -15,6 +15,19 @@ Roadmap::Cell Roadmap::CellOf(const Vec2& p_map) {
           static_cast<int>(std::lround(p_map.y() / kSamePlace_m))};
 }
 
+bool Roadmap::SameFloor(double a_m, double b_m) {
+  return std::abs(a_m - b_m) <= mapping::TraversableGround::kSameLevel_m;
+}
+
+size_t Roadmap::PlaceAt(const Vec2& p_map, double ground_m) const {
+  const auto cell = at_.find(CellOf(p_map));
+  if (cell == at_.end()) return kNone;
+  for (const size_t place : cell->second) {
+    if (SameFloor(places_[place].ground_m, ground_m)) return place;
+  }
+  return kNone;
+}
+
 void Roadmap::Correct(const core::PoseSource& poses) {
   if (poses.version() == version_) return;
   version_ = poses.version();
@@ -24,8 +37,12 @@ void Roadmap::Correct(const core::PoseSource& poses) {
     const core::Vec3 p = places_[i].anchor.p_map(poses);
     places_[i].p_map = p.head<2>();
     places_[i].ground_m = p.z();
-    const auto [oldest, alone] = at_.emplace(CellOf(places_[i].p_map), i);
-    if (!alone) Join(oldest->second, i, false);
+    const size_t oldest = PlaceAt(places_[i].p_map, places_[i].ground_m);
+    if (oldest == kNone) {
+      at_[CellOf(places_[i].p_map)].push_back(i);
+    } else {
+      Join(oldest, i, false);
+    }
   }
 }
 
@@ -47,8 +64,11 @@ void Roadmap::JoinToNear(size_t place) {
     for (int dy = -reach; dy <= reach; ++dy) {
       const auto near = at_.find({cell.first + dx, cell.second + dy});
       if (near == at_.end()) continue;
-      if ((places_[near->second].p_map - places_[place].p_map).norm() <= kNear_m) {
-        Join(near->second, place, false);
+      for (const size_t other : near->second) {
+        const bool same_floor = SameFloor(places_[other].ground_m, places_[place].ground_m);
+        if (same_floor && (places_[other].p_map - places_[place].p_map).norm() <= kNear_m) {
+          Join(other, place, false);
+        }
       }
     }
   }
@@ -58,10 +78,14 @@ void Roadmap::Learn(const CandidateTree& tree, const core::PoseSource& poses) {
   Correct(poses);
   const size_t known = places_.size();
   for (const CandidateNode& node : tree.nodes) {
-    const auto [at, is_new] = at_.emplace(CellOf(node.p_map), places_.size());
-    if (is_new) places_.emplace_back();
-    Place& place = places_[at->second];
-    place.anchor = core::AnchoredPoint::At(core::Vec3(node.p_map.x(), node.p_map.y(), node.ground_m), poses);
+    size_t at = PlaceAt(node.p_map, node.ground_m);
+    if (at == kNone) {
+      at = places_.size();
+      at_[CellOf(node.p_map)].push_back(at);
+      places_.emplace_back();
+    }
+    Place& place = places_[at];
+    place.anchor = core::AnchoredPoint::At(node.place(), poses);
     place.p_map = node.p_map;
     place.ground_m = node.ground_m;
   }
@@ -70,8 +94,8 @@ void Roadmap::Learn(const CandidateTree& tree, const core::PoseSource& poses) {
   }
   for (const CandidateNode& node : tree.nodes) {
     if (node.parent < 0) continue;
-    Join(at_.at(CellOf(node.p_map)), at_.at(CellOf(tree.nodes[static_cast<size_t>(node.parent)].p_map)),
-         node.narrow);
+    const CandidateNode& parent = tree.nodes[static_cast<size_t>(node.parent)];
+    Join(PlaceAt(node.p_map, node.ground_m), PlaceAt(parent.p_map, parent.ground_m), node.narrow);
   }
 }
 
@@ -80,7 +104,7 @@ void Roadmap::Extend(CandidateTree* tree) const {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   std::set<size_t> done;
   for (const CandidateNode& node : tree->nodes) {
-    if (const auto at = at_.find(CellOf(node.p_map)); at != at_.end()) done.insert(at->second);
+    if (const size_t at = PlaceAt(node.p_map, node.ground_m); at != kNone) done.insert(at);
   }
 
   const auto expand = [&](int node, size_t place) {
@@ -94,8 +118,8 @@ void Roadmap::Extend(CandidateTree* tree) const {
   };
   const int seeds = static_cast<int>(tree->nodes.size());
   for (int node = 0; node < seeds; ++node) {
-    const auto at = at_.find(CellOf(tree->nodes[static_cast<size_t>(node)].p_map));
-    if (at != at_.end()) expand(node, at->second);
+    const CandidateNode& seed = tree->nodes[static_cast<size_t>(node)];
+    if (const size_t at = PlaceAt(seed.p_map, seed.ground_m); at != kNone) expand(node, at);
   }
   while (!open.empty()) {
     const auto [length_m, cell, parent, narrow, at] = open.top();

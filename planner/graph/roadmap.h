@@ -18,7 +18,7 @@ namespace atlas::planner {
 
 class Roadmap {
  public:
-  /// Places nearer to each other than this are one.
+  /// Places nearer to each other than this, on one floor, are one.
   static constexpr double kSamePlace_m = 0.05;
 
   /// Moves every place to where its keyframe lies now.
@@ -46,13 +46,17 @@ class Roadmap {
     double ground_m = 0.0;
     std::vector<Step> steps;  ///< both ways
   };
+  static constexpr size_t kNone = static_cast<size_t>(-1);
   static Cell CellOf(const core::Vec2& p_map);
+  static bool SameFloor(double a_m, double b_m);
+  /// The place of a cell on the floor at this height, or kNone.
+  size_t PlaceAt(const core::Vec2& p_map, double ground_m) const;
   void Join(size_t a, size_t b, bool narrow);
   void JoinToNear(size_t place);
 
   std::vector<Place> places_;
-  std::map<Cell, size_t> at_;  ///< of places in one cell the oldest
-  uint64_t version_ = 0;       ///< of the poses that places are posed by
+  std::map<Cell, std::vector<size_t>> at_;  ///< of places in one cell the oldest on each floor
+  uint64_t version_ = 0;                    ///< of the poses that places are posed by
   bool corrected_ = false;
 };
 

@@ -30,6 +30,21 @@ bool SurfaceTally::SeenAround(size_t index) const {
   return false;
 }
 
+namespace {
+
+/// Of the floors above one another, the highest that is not above the point.
+double GroundBelow(const core::Vec3& p, const mapping::TraversableGround& ground) {
+  const auto levels = ground.LevelsAt(p.head<2>());
+  if (levels.empty()) return ground.SurfaceAt(p).height_m;
+  double below = *std::min_element(levels.begin(), levels.end());
+  for (const double height : levels) {
+    if (height <= p.z() + mapping::TraversableGround::kSameLevel_m) below = std::max(below, height);
+  }
+  return ground.SurfaceAt({p.x(), p.y(), below}).height_m;
+}
+
+}  // namespace
+
 size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& returns_map,
                               const mapping::TraversableGround& ground) {
   std::vector<size_t> unseen;
@@ -41,7 +56,7 @@ size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& returns_map,
       cell[axis] = static_cast<int>((p[axis] - box_.min[axis]) / voxel_m_) + 1;
     }
     const size_t index = IndexOf(cell);
-    if (seen_[index] || p.z() < ground.SurfaceAt(p.head<2>()).height_m + 2.0 * voxel_m_) continue;
+    if (seen_[index] || p.z() < GroundBelow(p, ground) + 2.0 * voxel_m_) continue;
     unseen.push_back(index);
   }
   std::sort(unseen.begin(), unseen.end());

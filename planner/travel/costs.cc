@@ -38,11 +38,11 @@ double ObjectDistance::At(const Vec3& p_map, double limit_m) const {
   return object_.DistanceTo(p_map, limit_m);
 }
 
-double WalkTime(const TraversalModel& model, const Walkable& walkable, const std::vector<Vec2>& path,
+double WalkTime(const TraversalModel& model, const Walkable& walkable, const std::vector<Vec3>& path,
                 double yaw_rad, double final_yaw_rad) {
   double time_s = 0.0, turned_rad = 0.0, heading = yaw_rad;
   for (size_t i = 1; i < path.size(); ++i) {
-    const Vec2 step = path[i] - path[i - 1];
+    const Vec2 step = (path[i] - path[i - 1]).head<2>();
     if (step.norm() < 1e-6) continue;
     const double yaw = std::atan2(step.y(), step.x());
     turned_rad += std::abs(core::WrapAngle(yaw - heading));

@@ -42,7 +42,7 @@ struct TraversalModel {
 };
 
 /// Seconds to walk `path` from heading `yaw_rad` and end at `final_yaw_rad`: length, turns, slope, roughness.
-double WalkTime(const TraversalModel& model, const Walkable& walkable, const std::vector<core::Vec2>& path,
+double WalkTime(const TraversalModel& model, const Walkable& walkable, const std::vector<core::Vec3>& path,
                 double yaw_rad, double final_yaw_rad);
 
 /// Continuous traversal cost in [0, 1).

@@ -20,19 +20,17 @@ constexpr double kAhead_m = 1.2, kSample_m = 0.1;
 int FreeAhead(const mapping::TraversableGround& ground, const Vec2& here, double yaw_rad) {
   int free = 0;
   for (double s = kSample_m; s <= kAhead_m; s += kSample_m) {
-    free +=
-        ground.KindAt(here + s * Vec2(std::cos(yaw_rad), std::sin(yaw_rad))) == mapping::GroundKind::kFree;
+    const core::Vec3 p = ground.OnRobotsLevel(here + s * Vec2(std::cos(yaw_rad), std::sin(yaw_rad)), 0.0);
+    free += ground.KindAt(p) == mapping::GroundKind::kFree;
   }
   return free;
 }
 
 }  // namespace
 
-void Recovery::SetOut(const std::vector<Vec2>& path_map, const core::PoseSource& poses) {
+void Recovery::SetOut(const std::vector<core::Vec3>& path_map, const core::PoseSource& poses) {
   way_here_.clear();
-  for (const Vec2& p : path_map) {
-    way_here_.push_back(core::AnchoredPoint::At(core::Vec3(p.x(), p.y(), 0.0), poses));
-  }
+  for (const core::Vec3& p : path_map) way_here_.push_back(core::AnchoredPoint::At(p, poses));
   turned_ = stepped_ = false;
 }
 

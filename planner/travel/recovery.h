@@ -23,7 +23,7 @@ class Recovery {
   };
 
   /// The robot sets out on this way to a view.
-  void SetOut(const std::vector<core::Vec2>& path_map, const core::PoseSource& poses);
+  void SetOut(const std::vector<core::Vec3>& path_map, const core::PoseSource& poses);
   /// The next thing to try, or nothing when all was tried since the robot last set out.
   std::optional<Move> Next(const core::Pose& T_map_base, const mapping::TraversableGround& ground,
                            const core::PoseSource& poses);

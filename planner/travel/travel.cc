@@ -4,8 +4,6 @@
 
 namespace atlas::planner {
 
-using core::Vec2;
-
 void TravelParams::Visit(core::ParamVisitor& v) {
   v.Field("rrt_star_iterations", &rrt_star_iterations,
           {.min = 0, .max = 100000, .doc = "iterations of RRT* on the way to the view"});
@@ -16,11 +14,13 @@ GoScan Travel::GoTo(int view, const Belief& belief, const Walkable& walkable, co
   Candidate& c = log->candidates[static_cast<size_t>(view)];
   c.reason = LossReason::kChosen;
   GoScan go{.p_map = c.p_map, .yaw_rad = c.yaw_rad, .path_map = {}};
-  go.path_map = PlanViewPath(walkable, tree.PathTo(c.node, walkable.start()), tree.NarrowSteps(c.node),
-                             params_.rrt_star_iterations, rng.Split("path"));
+  const std::vector<core::Vec3> way =
+      PlanViewPath(walkable, tree.PathTo(c.node, walkable.start()), tree.NarrowSteps(c.node),
+                   params_.rrt_star_iterations, rng.Split("path"));
+  for (const core::Vec3& p : way) go.path_map.push_back(p.head<2>());
   log->best = view;
   log->path_length_m = PathLength(go.path_map);
-  recovery_.SetOut(go.path_map, belief.poses);
+  recovery_.SetOut(way, belief.poses);
   return go;
 }
 

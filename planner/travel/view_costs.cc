@@ -50,7 +50,7 @@ void ViewCosts::Charge(const Belief& belief, const Walkable& walkable, const Can
     const double penalty = IsBehind(c.p_map, belief.T_map_base) ? params_.behind_penalty : 0.0;
     double way = 0.0;  // the thesis's classes: what the tree reaches is safe
     if (params_.traversal == "continuous") {
-      const std::vector<Vec2> path = tree.PathTo(c.node, walkable.start());
+      const std::vector<Vec3> path = tree.PathTo(c.node, walkable.start());
       way = ContinuousTraversalCost(traversal_, WalkTime(traversal_, walkable, path, yaw, c.yaw_rad));
     }
     c.traversal_cost = CombineCosts(way, penalty);

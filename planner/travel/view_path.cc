@@ -8,6 +8,7 @@ namespace atlas::planner {
 namespace {
 
 using core::Vec2;
+using core::Vec3;
 
 /// RRT* searches the bounding box of the tree path grown by this.
 constexpr double kSearchMargin_m = 1.5;
@@ -15,8 +16,8 @@ constexpr double kLongestEdge_m = 1.0;
 /// Effort of a long step is summed over pieces of this length.
 constexpr double kEffortPiece_m = 0.25;
 
-double EffortAlong(const Walkable& walkable, const Vec2& a, const Vec2& b) {
-  const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / kEffortPiece_m)));
+double EffortAlong(const Walkable& walkable, const Vec3& a, const Vec3& b) {
+  const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).head<2>().norm() / kEffortPiece_m)));
   double effort = 0.0;
   for (int i = 0; i < pieces; ++i) {
     effort += walkable.Effort(a + (b - a) * (static_cast<double>(i) / pieces),
@@ -25,27 +26,26 @@ double EffortAlong(const Walkable& walkable, const Vec2& a, const Vec2& b) {
   return effort;
 }
 
-double EffortOf(const Walkable& walkable, const std::vector<Vec2>& path) {
+double EffortOf(const Walkable& walkable, const std::vector<Vec3>& path) {
   double effort = 0.0;
   for (size_t i = 1; i < path.size(); ++i) effort += EffortAlong(walkable, path[i - 1], path[i]);
   return effort;
 }
 
-PlanarProblem ProblemAround(const Walkable& walkable, const std::vector<Vec2>& tree_path) {
-  PlanarProblem problem;
+GroundProblem ProblemAround(const Walkable& walkable, const std::vector<Vec3>& tree_path) {
+  GroundProblem problem;
   problem.start = tree_path.front();
-  problem.min = problem.max = tree_path.front();
-  for (const Vec2& p : tree_path) {
-    problem.min = problem.min.cwiseMin(p);
-    problem.max = problem.max.cwiseMax(p);
+  problem.min = problem.max = tree_path.front().head<2>();
+  for (const Vec3& p : tree_path) {
+    problem.min = problem.min.cwiseMin(p.head<2>());
+    problem.max = problem.max.cwiseMax(p.head<2>());
   }
   const Vec2 margin = Vec2::Constant(kSearchMargin_m);
   problem.min = (problem.min - margin).cwiseMax(walkable.window().min.head<2>());
   problem.max = (problem.max + margin).cwiseMin(walkable.window().max.head<2>());
   problem.step_m = kLongestEdge_m;
-  problem.can_stand = [&](const Vec2& p) { return walkable.CanStand(p); };
-  problem.can_step = [&](const Vec2& a, const Vec2& b) { return walkable.CanStep(a, b); };
-  problem.effort = [&](const Vec2& a, const Vec2& b) { return EffortAlong(walkable, a, b); };
+  FollowGroundOf(walkable, &problem);
+  problem.effort = [&](const Vec3& a, const Vec3& b) { return EffortAlong(walkable, a, b); };
   return problem;
 }
 
@@ -57,7 +57,13 @@ double PathLength(const std::vector<Vec2>& path) {
   return length;
 }
 
-std::vector<Vec2> Shortcut(const Walkable& walkable, const std::vector<Vec2>& path) {
+double PathLength(const std::vector<Vec3>& path) {
+  double length = 0.0;
+  for (size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).head<2>().norm();
+  return length;
+}
+
+std::vector<Vec3> Shortcut(const Walkable& walkable, const std::vector<Vec3>& path) {
   if (path.size() < 3) return path;
   // The cheapest way through the waypoints in order: a shortest path over all free skips.
   const size_t n = path.size();
@@ -73,35 +79,35 @@ std::vector<Vec2> Shortcut(const Walkable& walkable, const std::vector<Vec2>& pa
       before[j] = i;
     }
   }
-  std::vector<Vec2> result = {path.back()};
+  std::vector<Vec3> result = {path.back()};
   for (size_t j = n - 1; j > 0; j = before[j]) result.push_back(path[before[j]]);
   std::reverse(result.begin(), result.end());
   return result;
 }
 
-std::vector<Vec2> PlanViewPath(const Walkable& walkable, const std::vector<Vec2>& tree_path, int iterations,
+std::vector<Vec3> PlanViewPath(const Walkable& walkable, const std::vector<Vec3>& tree_path, int iterations,
                                const core::Rng& rng) {
-  const std::vector<Vec2> straightened = Shortcut(walkable, tree_path);
-  const bool known = std::all_of(tree_path.begin(), tree_path.end(), [&](const Vec2& p) {
+  const std::vector<Vec3> straightened = Shortcut(walkable, tree_path);
+  const bool known = std::all_of(tree_path.begin(), tree_path.end(), [&](const Vec3& p) {
     return walkable.window().Contains(core::Vec3(p.x(), p.y(), walkable.window().Center().z()));
   });
   if (straightened.size() <= 2 || iterations <= 0 || !known) return straightened;
   const auto found = PlanRrtStar(ProblemAround(walkable, tree_path), tree_path.back(), iterations, rng);
   if (!found) return straightened;
-  std::vector<Vec2> optimised = Shortcut(walkable, *found);
+  std::vector<Vec3> optimised = Shortcut(walkable, *found);
   return EffortOf(walkable, optimised) < EffortOf(walkable, straightened) ? optimised : straightened;
 }
 
-std::vector<Vec2> PlanViewPath(const Walkable& walkable, const std::vector<Vec2>& tree_path,
+std::vector<Vec3> PlanViewPath(const Walkable& walkable, const std::vector<Vec3>& tree_path,
                                const std::vector<size_t>& narrow, int iterations, const core::Rng& rng) {
   if (narrow.empty()) return PlanViewPath(walkable, tree_path, iterations, rng);
-  std::vector<Vec2> path;
+  std::vector<Vec3> path;
   size_t from = 0;
   for (size_t k = 0; k <= narrow.size(); ++k) {
     const size_t to = k < narrow.size() ? narrow[k] : tree_path.size() - 1;
-    const std::vector<Vec2> piece(tree_path.begin() + static_cast<std::ptrdiff_t>(from),
+    const std::vector<Vec3> piece(tree_path.begin() + static_cast<std::ptrdiff_t>(from),
                                   tree_path.begin() + static_cast<std::ptrdiff_t>(to) + 1);
-    const std::vector<Vec2> way =
+    const std::vector<Vec3> way =
         PlanViewPath(walkable, piece, iterations, rng.Split("piece" + std::to_string(k)));
     path.insert(path.end(), way.begin(), way.end());
     from = to + 1;

@@ -13,16 +13,17 @@ namespace atlas::planner {
 namespace {
 
 using core::Vec2;
+using core::Vec3;
 
 /// Extensions tried for each node wanted, before the RRT settles for fewer.
 constexpr int kAttemptsPerNode = 40;
 
 }  // namespace
 
-std::vector<Vec2> CandidateTree::PathTo(int node, const Vec2& start) const {
-  std::vector<Vec2> path;
+std::vector<Vec3> CandidateTree::PathTo(int node, const Vec3& start) const {
+  std::vector<Vec3> path;
   for (int i = node; i >= 0; i = nodes[static_cast<size_t>(i)].parent) {
-    path.push_back(nodes[static_cast<size_t>(i)].p_map);
+    path.push_back(nodes[static_cast<size_t>(i)].place());
   }
   path.push_back(start);
   std::reverse(path.begin(), path.end());
@@ -42,25 +43,25 @@ std::vector<size_t> CandidateTree::NarrowSteps(int node) const {
 }
 
 CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, const core::Rng& rng) {
-  PlanarProblem problem;
+  GroundProblem problem;
   problem.start = walkable.start();
   problem.min = walkable.window().min.head<2>();
   problem.max = walkable.window().max.head<2>();
   problem.step_m = step_m;
-  problem.can_stand = [&](const Vec2& p) { return walkable.CanStand(p); };
-  problem.can_step = [&](const Vec2& a, const Vec2& b) { return walkable.CanStep(a, b); };
-  const PlanarTree tree = GrowRrt(problem, nodes, kAttemptsPerNode * nodes, rng);
+  FollowGroundOf(walkable, &problem);
+  const GroundTree tree = GrowRrt(problem, nodes, kAttemptsPerNode * nodes, rng);
 
   CandidateTree result;
   result.attempts = tree.attempts;
   for (size_t i = 1; i < tree.points.size(); ++i) {  // the start was scanned already
     CandidateNode node;
-    node.p_map = tree.points[i];
+    node.p_map = tree.points[i].head<2>();
     node.parent = tree.parent[i] - 1;
     const double before =
         node.parent >= 0 ? result.nodes[static_cast<size_t>(node.parent)].path_length_m : 0.0;
-    node.path_length_m = before + (node.p_map - tree.points[static_cast<size_t>(tree.parent[i])]).norm();
-    node.ground_m = walkable.ground().SurfaceAt(node.p_map).height_m;
+    node.path_length_m =
+        before + (node.p_map - tree.points[static_cast<size_t>(tree.parent[i])].head<2>()).norm();
+    node.ground_m = walkable.ground().SurfaceAt(tree.points[i]).height_m;
     result.nodes.push_back(node);
   }
   return result;
@@ -83,19 +84,22 @@ class LatticeSearch {
       const Entry entry = open_.top();
       open_.pop();
       if (!done_.insert(entry.stop).second) continue;
-      const Vec2 p = PointOf(entry.stop);
+      const Vec2 p_map = PointOf(entry.stop);
+      const Vec3 p(p_map.x(), p_map.y(), entry.stop.height_m);
       const int node = static_cast<int>(tree_.nodes.size());
       tree_.nodes.push_back(
-          {p, entry.parent, entry.length_m, walkable_.ground().SurfaceAt(p).height_m, entry.narrow});
+          {p_map, entry.parent, entry.length_m, walkable_.ground().SurfaceAt(p).height_m, entry.narrow});
       Expand(entry.stop, p, entry.length_m, node);
     }
     return std::move(tree_);
   }
 
  private:
-  /// A lattice place (end < 0) or end `end` % 2 of passage `end` / 2.
+  /// A lattice place (end < 0) or end `end` % 2 of passage `end` / 2; one above the other on two floors are
+  /// two places. The terrain has one height for a place, whichever way leads there.
   struct Stop {
     int end, x, y;
+    double height_m = 0.0;
     auto operator<=>(const Stop&) const = default;
   };
   struct Entry {
@@ -111,21 +115,27 @@ class LatticeSearch {
   Vec2 PointOf(const Stop& stop) const {
     if (stop.end < 0) return {stop.x * spacing_m_, stop.y * spacing_m_};
     const Passage& passage = passages_[static_cast<size_t>(stop.end / 2)];
-    return stop.end % 2 == 0 ? passage.a : passage.b;
+    return (stop.end % 2 == 0 ? passage.a : passage.b).head<2>();
   }
-  Stop LatticeStopNear(const Vec2& p) const {
+  Stop LatticeStopNear(const Vec3& p) const {
     return {-1, static_cast<int>(std::lround(p.x() / spacing_m_)),
             static_cast<int>(std::lround(p.y() / spacing_m_))};
   }
 
-  void TryStep(const Vec2& from, double length_m, const Stop& next, int parent) {
+  void TryStep(const Vec3& from, double length_m, Stop next, int parent) {
+    const auto to = Reached(from, PointOf(next));
+    next.height_m = to.z();
     if (done_.contains(next)) return;
-    const Vec2 p = PointOf(next);
     ++tree_.attempts;
-    if (!walkable_.CanStand(p) || !walkable_.CanStep(from, p)) return;
-    open_.push({length_m + (p - from).norm(), next, parent, false});
+    if (!walkable_.CanStand(to) || !walkable_.CanStep(from, to)) return;
+    open_.push({length_m + (to - from).head<2>().norm(), next, parent, false});
   }
-  void TryLattice(const Vec2& from, double length_m, const Stop& centre, int reach, int parent) {
+  /// Of one floor above another, that to which the ground leads.
+  Vec3 Reached(const Vec3& from, const Vec2& p) const {
+    if (walkable_.ground().LevelsAt(p).count < 2) return walkable_.ground().OnRobotsLevel(p, from.z());
+    return walkable_.FollowGround(from, p).value_or(walkable_.ground().OnRobotsLevel(p, from.z()));
+  }
+  void TryLattice(const Vec3& from, double length_m, const Stop& centre, int reach, int parent) {
     for (int dx = -reach; dx <= reach; ++dx) {
       for (int dy = -reach; dy <= reach; ++dy) {
         TryStep(from, length_m, {-1, centre.x + dx, centre.y + dy}, parent);
@@ -133,7 +143,7 @@ class LatticeSearch {
     }
   }
   /// Steps across ground where the robot cannot turn.
-  void TryLongSteps(const Vec2& from, double length_m, const Stop& centre, int parent) {
+  void TryLongSteps(const Vec3& from, double length_m, const Stop& centre, int parent) {
     const int far = static_cast<int>(std::floor(long_step_m_ / spacing_m_));
     for (int dx = -far; dx <= far; ++dx) {
       for (int dy = -far; dy <= far; ++dy) {
@@ -141,32 +151,35 @@ class LatticeSearch {
           continue;
         }
         const Stop next{-1, centre.x + dx, centre.y + dy};
-        if (!walkable_.CanStand(0.5 * (from + PointOf(next)))) TryStep(from, length_m, next, parent);
+        const Vec2 middle = 0.5 * (from.head<2>() + PointOf(next));
+        if (!walkable_.CanStand(Reached(from, middle))) TryStep(from, length_m, next, parent);
       }
     }
   }
-  void TryPassageEnds(const Vec2& from, double length_m, double reach_m, int parent) {
+  void TryPassageEnds(const Vec3& from, double length_m, double reach_m, int parent) {
     for (int end = 0; end < 2 * static_cast<int>(passages_.size()); ++end) {
       const Stop stop{end, 0, 0};
-      if ((PointOf(stop) - from).norm() <= reach_m) TryStep(from, length_m, stop, parent);
+      if ((PointOf(stop) - from.head<2>()).norm() <= reach_m) TryStep(from, length_m, stop, parent);
     }
   }
 
   void ExpandStart() {
-    const Vec2& start = walkable_.start();
+    const Vec3& start = walkable_.start();
     TryLattice(start, 0.0, LatticeStopNear(start), 2, -1);
     TryPassageEnds(start, 0.0, kStartReach_m, -1);
   }
-  void Expand(const Stop& stop, const Vec2& p, double length_m, int node) {
+  void Expand(const Stop& stop, const Vec3& p, double length_m, int node) {
     TryLattice(p, length_m, LatticeStopNear(p), stop.end < 0 ? 1 : 2, node);
     TryPassageEnds(p, length_m, kEndReach * spacing_m_, node);
     if (stop.end < 0) {
       TryLongSteps(p, length_m, stop, node);
       return;
     }
-    const Stop other{stop.end ^ 1, 0, 0};
+    const Passage& passage = passages_[static_cast<size_t>(stop.end / 2)];
+    Stop other{stop.end ^ 1, 0, 0};
+    other.height_m = (other.end % 2 == 0 ? passage.a : passage.b).z();
     if (done_.contains(other)) return;
-    open_.push({length_m + (PointOf(other) - p).norm(), other, node, true});
+    open_.push({length_m + (PointOf(other) - p.head<2>()).norm(), other, node, true});
   }
 
   /// A robot that stands in a doorway gets out of it.

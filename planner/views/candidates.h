@@ -17,6 +17,8 @@ struct CandidateNode {
   double path_length_m = 0.0;  ///< along the tree from the robot
   double ground_m = 0.0;       ///< height of the ground under the footprint
   bool narrow = false;         ///< the step here from its parent leads through a passage
+
+  core::Vec3 place() const { return {p_map.x(), p_map.y(), ground_m}; }
 };
 
 struct CandidateTree {
@@ -24,7 +26,7 @@ struct CandidateTree {
   int attempts = 0;
 
   /// Waypoints from the robot (its own position first) to a node.
-  std::vector<core::Vec2> PathTo(int node, const core::Vec2& start) const;
+  std::vector<core::Vec3> PathTo(int node, const core::Vec3& start) const;
   /// Of that way: the indices of waypoints from which the step to the next leads through a passage.
   std::vector<size_t> NarrowSteps(int node) const;
 };

@@ -14,7 +14,11 @@
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <mutex>
+#include <utility>
 
 namespace atlas::planner {
 namespace {
@@ -22,6 +26,7 @@ namespace {
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
 using core::Vec2;
+using core::Vec3;
 
 using Space = ob::RealVectorStateSpace;
 
@@ -44,13 +49,30 @@ void SetPoint(ob::State* state, const Vec2& p) {
   state->as<Space::StateType>()->values[1] = p.y();
 }
 
+/// Heights of the states that a planner keeps. Samples are never twice the same, so that (x, y) tells them
+/// apart.
+class Heights {
+ public:
+  void Set(const Vec3& p) { at_[{p.x(), p.y()}] = p.z(); }
+  /// Nothing for a state that no step has reached yet.
+  std::optional<Vec3> On(const Vec2& p) const {
+    const auto found = at_.find({p.x(), p.y()});
+    if (found == at_.end()) return std::nullopt;
+    return Vec3(p.x(), p.y(), found->second);
+  }
+
+ private:
+  std::map<std::pair<double, double>, double> at_;
+};
+
 /// Shared by a planner's sampler and motion validator.
 struct Shared {
-  const PlanarProblem& problem;
+  const GroundProblem& problem;
   core::Rng rng;
   std::optional<Vec2> goal;       ///< sampled now and then
   std::vector<Vec2> tree_points;  ///< ends of accepted steps
   bool prefer_sparse = false;
+  Heights heights = {};
 };
 
 class PassedSampler final : public ob::StateSampler {
@@ -86,7 +108,7 @@ class PassedSampler final : public ob::StateSampler {
 
   /// Uniform in the bounds; a few tries for a place where the robot can stand.
   Vec2 Draw() {
-    const PlanarProblem& problem = shared_->problem;
+    const GroundProblem& problem = shared_->problem;
     Vec2 p = Vec2::Zero();
     for (int i = 0; i < kValidTries; ++i) {
       p = {shared_->rng.Uniform(problem.min.x(), problem.max.x()),
@@ -110,8 +132,15 @@ class StepValidator final : public ob::MotionValidator {
       : ob::MotionValidator(si), shared_(shared) {}
 
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
-    const Vec2 a = PointOf(from), b = PointOf(to);
-    if (!shared_->problem.can_stand(b) || !shared_->problem.can_step(a, b)) return false;
+    const Vec2 b = PointOf(to);
+    const auto a = shared_->heights.On(PointOf(from));
+    if (!a) return false;
+    const auto end = shared_->problem.step(*a, b);
+    if (!end) return false;
+    // A state that other steps have reached, or the goal, may lie on another floor.
+    const auto known = shared_->heights.On(b);
+    if (known && std::abs(known->z() - end->z()) > mapping::TraversableGround::kSameLevel_m) return false;
+    if (!known) shared_->heights.Set(*end);
     if (shared_->prefer_sparse) shared_->tree_points.push_back(b);
     return true;
   }
@@ -127,14 +156,19 @@ class StepValidator final : public ob::MotionValidator {
 
 class EffortObjective final : public ob::PathLengthOptimizationObjective {
  public:
-  EffortObjective(const ob::SpaceInformationPtr& si, const PlanarProblem& problem)
-      : ob::PathLengthOptimizationObjective(si), problem_(problem) {}
-  ob::Cost motionCost(const ob::State* a, const ob::State* b) const override {
-    return ob::Cost(problem_.effort(PointOf(a), PointOf(b)));
+  EffortObjective(const ob::SpaceInformationPtr& si, const Shared& shared)
+      : ob::PathLengthOptimizationObjective(si), shared_(shared) {}
+  ob::Cost motionCost(const ob::State* from, const ob::State* to) const override {
+    const Vec2 a = PointOf(from), b = PointOf(to);
+    const auto on_a = shared_.heights.On(a), on_b = shared_.heights.On(b);
+    // Of a state not reached yet: as on the floor of the other one.
+    const double height = on_a ? on_a->z() : on_b ? on_b->z() : shared_.problem.start.z();
+    return ob::Cost(shared_.problem.effort(on_a.value_or(Vec3(a.x(), a.y(), height)),
+                                           on_b.value_or(Vec3(b.x(), b.y(), height))));
   }
 
  private:
-  const PlanarProblem& problem_;
+  const Shared& shared_;
 };
 
 class NoGoal final : public ob::Goal {
@@ -170,13 +204,13 @@ ob::ProblemDefinitionPtr MakeDefinition(const ob::SpaceInformationPtr& si, const
 }
 
 /// Vertices in the order in which their parents allow, the start first.
-PlanarTree TreeOf(const ob::PlannerData& data) {
-  PlanarTree tree;
+GroundTree TreeOf(const ob::PlannerData& data, const Heights& heights) {
+  GroundTree tree;
   if (data.numStartVertices() == 0) return tree;
   std::vector<std::pair<unsigned, int>> queue = {{data.getStartIndex(0), -1}};
   for (size_t next = 0; next < queue.size(); ++next) {
     const auto [vertex, parent] = queue[next];
-    tree.points.push_back(PointOf(data.getVertex(vertex).getState()));
+    tree.points.push_back(heights.On(PointOf(data.getVertex(vertex).getState())).value());
     tree.parent.push_back(parent);
     std::vector<unsigned> children;
     data.getEdges(vertex, children);
@@ -187,11 +221,26 @@ PlanarTree TreeOf(const ob::PlannerData& data) {
 
 }  // namespace
 
-PlanarTree GrowRrt(const PlanarProblem& problem, int nodes, int max_attempts, core::Rng rng) {
+void FollowGroundOf(const Walkable& walkable, GroundProblem* problem) {
+  problem->can_stand = [&walkable](const Vec2& p) {
+    const auto levels = walkable.ground().LevelsAt(p);
+    return std::any_of(levels.begin(), levels.end(), [&](double height) {
+      return walkable.CanStand({p.x(), p.y(), height});
+    });
+  };
+  problem->step = [&walkable](const Vec3& from, const Vec2& to) -> std::optional<Vec3> {
+    const auto end = walkable.FollowGround(from, to);
+    if (!end || !walkable.CanStand(*end) || !walkable.CanStep(from, *end)) return std::nullopt;
+    return end;
+  };
+}
+
+GroundTree GrowRrt(const GroundProblem& problem, int nodes, int max_attempts, core::Rng rng) {
   SeedOnce(rng.seed());
-  Shared shared{problem, std::move(rng), std::nullopt, {problem.start}, true};
+  Shared shared{problem, std::move(rng), std::nullopt, {problem.start.head<2>()}, true};
+  shared.heights.Set(problem.start);
   const ob::SpaceInformationPtr si = MakeSpace(&shared);
-  const ob::ProblemDefinitionPtr definition = MakeDefinition(si, problem.start);
+  const ob::ProblemDefinitionPtr definition = MakeDefinition(si, problem.start.head<2>());
   definition->setGoal(std::make_shared<NoGoal>(si));
 
   og::RRT rrt(si);
@@ -208,22 +257,24 @@ PlanarTree GrowRrt(const PlanarProblem& problem, int nodes, int max_attempts, co
 
   ob::PlannerData data(si);
   rrt.getPlannerData(data);
-  PlanarTree tree = TreeOf(data);
+  GroundTree tree = TreeOf(data, shared.heights);
   if (tree.points.empty()) tree = {{problem.start}, {-1}, 0};
   tree.attempts = attempts;
   return tree;
 }
 
-std::optional<std::vector<Vec2>> PlanRrtStar(const PlanarProblem& problem, const Vec2& goal, int iterations,
+std::optional<std::vector<Vec3>> PlanRrtStar(const GroundProblem& problem, const Vec3& goal, int iterations,
                                              core::Rng rng) {
   SeedOnce(rng.seed());
-  Shared shared{problem, std::move(rng), goal, {}, false};
+  Shared shared{problem, std::move(rng), goal.head<2>(), {}, false};
+  shared.heights.Set(problem.start);
+  shared.heights.Set(goal);
   const ob::SpaceInformationPtr si = MakeSpace(&shared);
-  const ob::ProblemDefinitionPtr definition = MakeDefinition(si, problem.start);
+  const ob::ProblemDefinitionPtr definition = MakeDefinition(si, problem.start.head<2>());
   ob::ScopedState<Space> goal_state(si);
-  SetPoint(goal_state.get(), goal);
+  SetPoint(goal_state.get(), goal.head<2>());
   definition->setGoalState(goal_state, 1e-3);
-  definition->setOptimizationObjective(std::make_shared<EffortObjective>(si, problem));
+  definition->setOptimizationObjective(std::make_shared<EffortObjective>(si, shared));
 
   og::RRTstar planner(si);
   planner.setNearestNeighbors<ompl::NearestNeighborsLinear>();
@@ -237,8 +288,10 @@ std::optional<std::vector<Vec2>> PlanRrtStar(const PlanarProblem& problem, const
   if (!definition->hasExactSolution()) return std::nullopt;
 
   const auto* path = definition->getSolutionPath()->as<og::PathGeometric>();
-  std::vector<Vec2> points;
-  for (size_t i = 0; i < path->getStateCount(); ++i) points.push_back(PointOf(path->getState(i)));
+  std::vector<Vec3> points;
+  for (size_t i = 0; i < path->getStateCount(); ++i) {
+    points.push_back(shared.heights.On(PointOf(path->getState(i))).value());
+  }
   return points;
 }
 

@@ -12,6 +12,7 @@ namespace atlas::planner {
 namespace {
 
 using core::Vec2;
+using core::Vec3;
 
 constexpr double kGrid_m = 0.04;  ///< as the cells of terrain maps: a way may be a single one wide
 constexpr int kHeadings = 48;     ///< over a full turn
@@ -32,7 +33,7 @@ class Areas {
     area_.assign(static_cast<size_t>(cols_) * static_cast<size_t>(rows_), kOff);
     for (int row = 0; row < rows_; ++row) {
       for (int col = 0; col < cols_; ++col) {
-        if (walkable.CanStand(PointAt(row, col))) area_[IndexOf(row, col)] = kUnlabelled;
+        if (CanStand(PointAt(row, col))) area_[IndexOf(row, col)] = kUnlabelled;
       }
     }
     int labels = 0;
@@ -45,6 +46,8 @@ class Areas {
   }
 
   static constexpr int kOff = -1;
+  Vec3 OnGround(const Vec2& p) const { return walkable_.ground().OnRobotsLevel(p, walkable_.start().z()); }
+  bool CanStand(const Vec2& p) const { return walkable_.CanStand(OnGround(p)); }
   int count() const { return count_; }
   int rows() const { return rows_; }
   int cols() const { return cols_; }
@@ -117,12 +120,12 @@ class Search {
   }
 
   /// From its end at `p`, on along `u` for a run-up where the robot can stand.
-  Vec2 WithRunUp(const Vec2& p, const Vec2& u) const {
+  Vec3 WithRunUp(const Vec2& p, const Vec2& u) const {
     double run_m = 0.0;
-    while (run_m + kStride_m <= kRunUp_m && walkable_.CanStand(p + (run_m + kStride_m) * u)) {
+    while (run_m + kStride_m <= kRunUp_m && areas_.CanStand(p + (run_m + kStride_m) * u)) {
       run_m += kStride_m;
     }
-    return p + run_m * u;
+    return areas_.OnGround(p + run_m * u);
   }
 
  private:
@@ -134,7 +137,7 @@ class Search {
     return false;
   }
   bool Fits(const Vec2& p, const Vec2& u) const {
-    return walkable_.ground().FootprintFree(p, std::atan2(u.y(), u.x()));
+    return walkable_.ground().FootprintFree(areas_.OnGround(p), std::atan2(u.y(), u.x()));
   }
 
   /// The straight way that leaves the area at `a` and comes out on another one.
@@ -149,7 +152,7 @@ class Search {
         if (s <= leave_m) continue;
         return std::nullopt;
       }
-      if (area == Areas::kOff || !walkable_.CanStand(p)) continue;
+      if (area == Areas::kOff || !areas_.CanStand(p)) continue;
       return Way{a, u, s, 0.0, {std::min(from, area), std::max(from, area)}};
     }
     return std::nullopt;
@@ -174,10 +177,10 @@ class Search {
     Vec2 a = way.a + 0.5 * (to_left - to_right) * left;
     const int from = areas_.Near(way.a);
     // Its start may lie off the area now: back until the robot can stand.
-    for (int k = 0; k < 8 && !walkable_.CanStand(a); ++k) a -= kStride_m * way.u;
-    if (!walkable_.CanStand(a) || areas_.Near(a) != from || !Fits(a, way.u)) return std::nullopt;
+    for (int k = 0; k < 8 && !areas_.CanStand(a); ++k) a -= kStride_m * way.u;
+    if (!areas_.CanStand(a) || areas_.Near(a) != from || !Fits(a, way.u)) return std::nullopt;
     // Forward again to the last such place.
-    while (walkable_.CanStand(a + kStride_m * way.u) && areas_.Near(a + kStride_m * way.u) == from) {
+    while (areas_.CanStand(a + kStride_m * way.u) && areas_.Near(a + kStride_m * way.u) == from) {
       a += kStride_m * way.u;
     }
     // Beside the places of the grid the area may end elsewhere than on them.

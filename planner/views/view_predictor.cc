@@ -95,7 +95,7 @@ Candidate ViewPredictor::CandidateOf(const ViewGain& view) const {
 
 void ViewPredictor::Predict(const mapping::MapView& map, const Walkable& walkable, const CandidateTree& tree,
                             DecisionLog* log) const {
-  const std::vector<int> places = SpreadOut(tree.nodes, walkable.start(), params_.nodes);
+  const std::vector<int> places = SpreadOut(tree.nodes, walkable.start().head<2>(), params_.nodes);
   std::vector<ViewNode> nodes;
   for (const int place : places) {
     const CandidateNode& node = tree.nodes[static_cast<size_t>(place)];

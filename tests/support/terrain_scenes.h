@@ -2,6 +2,7 @@
 // It is the oracle of the terrain tests: it shares nothing with the simulator or with the map.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -67,6 +68,50 @@ struct PatchWorld {
       if (met == nullptr || met->transmission <= 0.0 || draw->Uniform() >= met->transmission) return nearest;
       skip = nearest + 1e-6;
     }
+  }
+};
+
+/// Two floors, 3 m apart, and a ramp of 17.2 degrees beside the upper one that joins them:
+///
+///      y 2.5  +---------------------------+
+///             |  upper floor    [hole]    |        on the lower floor, below the upper one: a post
+///             |                  (post)   |
+///       -2.0  +--------------------+      |
+///    0 m -> ===== ramp, to the right =>  3 m       z = 0 all about
+///       -3.6  ---------------------+------+
+///      x -5   -2                  4.7    6.3
+struct Storeys {
+  static constexpr double kUpper_m = 3.0, kEdge_y = 2.5;
+  inline static const core::Vec2 kHole{3.0, 1.5}, kPost{3.0, -0.8};
+
+  PatchWorld world;
+
+  Storeys() {
+    world.AddRectangle(-14, -14, 14, 14, 0);
+    core::Box3 hole;
+    hole.min = core::Vec3(kHole.x() - 0.6, kHole.y() - 0.6, 0);
+    hole.max = core::Vec3(kHole.x() + 0.6, kHole.y() + 0.6, 0);
+    for (const double z : {kUpper_m, kUpper_m - 0.3}) {
+      world.AddPlateWithHole(-2, -2, 6.3, kEdge_y, z, hole);
+      world.AddRectangle(4.7, -3.6, 6.3, -2, z);
+    }
+    world.patches.push_back({{-5, -3.6, 0}, {9.7, 0, kUpper_m}, {0, 1.6, 0}});
+    const core::Vec3 post(kPost.x(), kPost.y(), 0);
+    world.AddBox(post - core::Vec3(0.2, 0.2, 0), post + core::Vec3(0.2, 0.2, 1.0));
+  }
+  /// The middle of the ramp, from its foot (0) to its top (1).
+  static core::Vec3 OnRamp(double s) { return {-5 + 9.7 * s, -2.8, kUpper_m * s}; }
+  static bool NearThings(const core::Vec2& p, double distance_m) {
+    return std::min((p - kHole).norm(), (p - kPost).norm()) < distance_m;
+  }
+  /// Stands from the lower floor up the ramp to the same place on the upper one.
+  static std::vector<core::Vec3> Climb() {
+    std::vector<core::Vec3> stands = {{0.6, 0.3, 0}, {3.4, 0.4, 0}, {-3.5, 0, 0}, {-5.9, -2.8, 0}};
+    for (const double s : {0.2, 0.4, 0.6, 0.8, 1.0}) stands.push_back(OnRamp(s));
+    for (const core::Vec2& p : {core::Vec2(5.3, -0.6), core::Vec2(2.6, 0.2), core::Vec2(0.6, 0.3)}) {
+      stands.emplace_back(p.x(), p.y(), kUpper_m);
+    }
+    return stands;
   }
 };
 

@@ -279,7 +279,7 @@ std::string TerrainTells(const Survey& survey, const ExperimentConfig& config) {
   told.Add(grid.kind);
   for (int i = 0; i < 24 * 24 * 4; ++i) {
     const Vec2 p(-3.0 + 0.25 * (i % 24), -3.0 + 0.25 * (i / 24 % 24));
-    told.Add(map.FootprintFree(p, 0.25 * core::kPi * (i / 576)));
+    told.Add(map.FootprintFree(map.OnRobotsLevel(p, 0.0), 0.25 * core::kPi * (i / 576)));
   }
   return told.text();
 }

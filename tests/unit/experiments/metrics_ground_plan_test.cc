@@ -27,13 +27,18 @@ class Patch final : public mapping::TraversableGround {
   Patch(const Vec2& origin, double cell_m, std::vector<std::string> rows)
       : origin_(origin), cell_m_(cell_m), rows_(std::move(rows)) {}
 
-  GroundKind KindAt(const Vec2& p_map) const override {
+  Levels LevelsAt(const Vec2&) const override {
+    Levels levels;
+    levels.Add(0.0);
+    return levels;
+  }
+  GroundKind KindAt(const core::Vec3& p_map) const override {
     const std::map<char, GroundKind> kinds = {{'.', GroundKind::kUnknown},
                                               {'f', GroundKind::kFree},
                                               {'o', GroundKind::kObstacle},
                                               {'d', GroundKind::kDrop},
                                               {'c', GroundKind::kCutOff}};
-    const Vec2 cell = (p_map - origin_) / cell_m_;
+    const Vec2 cell = (p_map.head<2>() - origin_) / cell_m_;
     return kinds.at(
         rows_.at(static_cast<size_t>(std::floor(cell.y()))).at(static_cast<size_t>(std::floor(cell.x()))));
   }
@@ -42,10 +47,10 @@ class Patch final : public mapping::TraversableGround {
         cell_m_ * Vec2(static_cast<double>(rows_.front().size()), static_cast<double>(rows_.size()));
     return {{origin_.x(), origin_.y(), -1.0}, {origin_.x() + size.x(), origin_.y() + size.y(), 1.0}};
   }
-  double Traversability(const Vec2&) const override { return 0.0; }
-  bool FootprintFree(const Vec2&, double) const override { return false; }
-  bool CircleFree(const Vec2&) const override { return false; }
-  Surface SurfaceAt(const Vec2&) const override { return {}; }
+  double Traversability(const core::Vec3&) const override { return 0.0; }
+  bool FootprintFree(const core::Vec3&, double) const override { return false; }
+  bool CircleFree(const core::Vec3&) const override { return false; }
+  Surface SurfaceAt(const core::Vec3&) const override { return {}; }
 
  private:
   Vec2 origin_;

@@ -87,9 +87,11 @@ TEST(RoomsSmall, DoorwaysAreFreeToTheRobotOnGroundPerceivedOnTheWay) {
     if ((state.T_odom_base.translation().head<2>() - middle).norm() > 1.2) continue;
     terrain.Update();
     for (double s = -0.9; s < 0.95; s += 0.1) {
-      EXPECT_TRUE(terrain.FootprintFree(middle + s * along, yaw_rad)) << middle.transpose() << " " << s;
+      EXPECT_TRUE(terrain.FootprintFree(terrain.OnRobotsLevel(middle + s * along, 0.0), yaw_rad))
+          << middle.transpose() << " " << s;
     }
-    EXPECT_FALSE(terrain.FootprintFree(middle, yaw_rad + 0.5 * core::kPi));  // not sideways
+    EXPECT_FALSE(terrain.FootprintFree(terrain.OnRobotsLevel(middle, 0.0),
+                                       yaw_rad + 0.5 * core::kPi));  // not sideways
     ++next;
   }
   EXPECT_EQ(next, std::size(doorways));

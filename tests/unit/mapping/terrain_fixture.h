@@ -17,18 +17,26 @@ inline tests::PatchWorld FlatWorld() {
   return world;
 }
 
+/// On ground of this height.
+inline core::Vec3 Place(const core::Vec2& p, double height_m = 0.0) {
+  return {p.x(), p.y(), height_m};
+}
+
 struct Survey {
   uint64_t seed = 1;
   double yaw_rad = 0.0;
   int depth_images = 3;  ///< after each sweep
   bool update_each = true;
+  double window_m = TerrainParams{}.window_m;
 };
 
 /// A map after sweeps from these points on the ground of a world.
 inline std::unique_ptr<ElevationMap> MapAfterSweeps(const tests::PatchWorld& world,
                                                     const std::vector<core::Vec3>& stands,
                                                     const Survey& survey) {
-  auto map = std::make_unique<ElevationMap>(TerrainParams{}, core::RobotExtent{});
+  TerrainParams params;
+  params.window_m = survey.window_m;
+  auto map = std::make_unique<ElevationMap>(params, core::RobotExtent{});
   tests::TerrainSensors sensors(&world, survey.seed);
   const core::Vec3 up(0, 0, kStance);
   map->InitialiseUnderRobot(core::PoseFromXyzYaw(stands.front() + up, 0));

@@ -66,10 +66,11 @@ void ExpectHolesUntouched(const ElevationMap& map, const Deck& deck) {
   int traversable_off = 0, steppable_off = 0, circle_over = 0;
   ForCells(map, deck, [&](const Vec2& p, double margin) {
     if (margin < -1.5 * kCell) {
-      traversable_off += map.Traversability(p) > 0;
+      traversable_off += map.Traversability(map.OnRobotsLevel(p, 0.0)) > 0;
       steppable_off += map.At(p.x(), p.y()).steppable;
     }
-    if (margin < robot.footprint_radius_m - 0.5 * kCell) circle_over += map.CircleFree(p);
+    if (margin < robot.footprint_radius_m - 0.5 * kCell)
+      circle_over += map.CircleFree(map.OnRobotsLevel(p, 0.0));
   });
   EXPECT_EQ(traversable_off, 0);
   EXPECT_EQ(steppable_off, 0);
@@ -83,7 +84,8 @@ double RecoveredShare(const ElevationMap& map, const Deck& deck, const Vec2& sta
     if (margin < 0.1 || (p - stand).norm() > range_m) return;
     const auto ground = map.At(p.x(), p.y());
     cells += 1;
-    recovered += ground.known && std::abs(ground.height_m) < 0.02 && map.Traversability(p) > 0.5;
+    recovered += ground.known && std::abs(ground.height_m) < 0.02 &&
+                 map.Traversability(map.OnRobotsLevel(p, 0.0)) > 0.5;
   });
   return recovered / cells;
 }
@@ -106,7 +108,7 @@ TEST(TerrainHoles, StairwellStaysAHoleAfterAWalkRoundIt) {
 TEST(TerrainHoles, PlanningPassesBetweenStairwellAndDeckEdge) {
   const Deck deck(0.0);
   const auto map = MapOf(deck, {{0, 0}, {0.6, 2.2}, {2.6, 2.5}}, true);
-  for (double x = 0.5; x < 4.0; x += 0.1) EXPECT_TRUE(map->CircleFree({x, 2.6})) << x;
+  for (double x = 0.5; x < 4.0; x += 0.1) EXPECT_TRUE(map->CircleFree({x, 2.6, 0.0})) << x;
 }
 
 TEST(TerrainHoles, GratingThatPassesHalfTheRaysIsSolidAtDeckHeight) {
@@ -133,7 +135,7 @@ TEST(TerrainHoles, BlindGroundUnderTheRobotStaysSolidOnAGratingWhicheverBeamsIts
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     const auto map = MapAfterSweeps(deck.world, {{stand.x(), stand.y(), 0.0}},
                                     {.seed = seed, .depth_images = 0, .update_each = true});
-    EXPECT_TRUE(map->CircleFree(stand)) << seed;
+    EXPECT_TRUE(map->CircleFree(Place(stand))) << seed;
   }
 }
 

@@ -61,8 +61,8 @@ TEST(TerrainMap, FlatGroundIsWithinACentimetreAndTraversableToFiveMetres) {
   EXPECT_TRUE(ground.known);
   EXPECT_TRUE(ground.steppable);
   EXPECT_NEAR(ground.height_m, 0.0, 0.01);
-  EXPECT_NEAR(map.SurfaceAt({1.5, 1.5}).slope_rad, 0.0, Radians(0.5));
-  EXPECT_LT(map.SurfaceAt({1.5, 1.5}).roughness_m, 0.005);
+  EXPECT_NEAR(map.SurfaceAt({1.5, 1.5, 0.0}).slope_rad, 0.0, Radians(0.5));
+  EXPECT_LT(map.SurfaceAt({1.5, 1.5, 0.0}).roughness_m, 0.005);
 }
 
 TEST(TerrainMap, RollingSpinIsUndistortedByEachRaysOwnTime) {
@@ -145,16 +145,17 @@ TEST(TerrainMap, DepthImageFillsTheNearFieldAndSkipsPixelsWithoutMeasurement) {
 TEST(TerrainMap, StartsAsSolidGroundUnderTheRobotAndUnknownBeyond) {
   ElevationMap map(TerrainParams{}, core::RobotExtent{});
   EXPECT_FALSE(map.At(0, 0).known);
-  EXPECT_FALSE(map.CircleFree({0, 0}));
+  EXPECT_FALSE(map.CircleFree({0, 0, 0}));
   map.InitialiseUnderRobot(PoseFromXyzYaw({5, 5, 1.0 + kStance}, 0));
   map.Update();
   EXPECT_TRUE(map.At(5, 5).steppable);
   EXPECT_NEAR(map.At(5.2, 5.1).height_m, 1.0, 1e-6);
-  EXPECT_TRUE(map.CircleFree({5, 5}));
-  EXPECT_TRUE(map.FootprintFree({5, 5}, 0.4));
-  EXPECT_FALSE(map.CircleFree({6.5, 5}));
-  EXPECT_EQ(map.Traversability({7, 5}), 0.0);
-  EXPECT_EQ(map.Traversability({100, 5}), 0.0);
+  EXPECT_TRUE(map.CircleFree({5, 5, 1.0}));
+  EXPECT_TRUE(map.FootprintFree({5, 5, 1.0}, 0.4));
+  EXPECT_FALSE(map.CircleFree({5, 5, 0.4})) << "below the ground";
+  EXPECT_FALSE(map.CircleFree({6.5, 5, 1.0}));
+  EXPECT_EQ(map.Traversability({7, 5, 1.0}), 0.0);
+  EXPECT_EQ(map.Traversability({100, 5, 1.0}), 0.0);
 }
 
 TEST(TerrainMap, FeetMeasureTheGroundTheyStandOn) {
@@ -190,7 +191,7 @@ TEST(TerrainMap, FootprintIsFreeExactlyWhereNoBlockedCellTouchesIt) {
             std::abs(local.y()) > robot.half_width_m + rim) {
           continue;
         }
-        least = std::min(least, map.Traversability(cell));
+        least = std::min(least, map.Traversability(Place(cell)));
       }
     }
     return least;
@@ -200,7 +201,7 @@ TEST(TerrainMap, FootprintIsFreeExactlyWhereNoBlockedCellTouchesIt) {
   for (int k = 0; k < 300; ++k) {
     const Vec2 p(rng.Uniform(-1, 3), rng.Uniform(-1, 3));
     const double yaw = rng.Uniform(-3, 3);
-    if (map.FootprintFree(p, yaw)) {
+    if (map.FootprintFree(Place(p), yaw)) {
       ++free;
       EXPECT_GE(worst(p, yaw, 0.0), params.min_traversability) << p.transpose();
     } else {

@@ -33,9 +33,9 @@ TEST(TerrainObstacles, KerbOfTenCentimetresHasItsHeightAndMayBeClimbedAtACost) {
   for (double y = -1.0; y <= 1.0; y += 0.2) {
     EXPECT_NEAR(map->At(1.4, y).height_m, 0.0, 0.015) << y;
     EXPECT_NEAR(map->At(1.8, y).height_m, 0.1, 0.015) << y;
-    EXPECT_GT(map->Traversability({1.6, y}), 0.25) << y;
-    EXPECT_LT(map->Traversability({1.6, y}), 0.75) << y;
-    EXPECT_TRUE(map->CircleFree({1.6, y})) << y;
+    EXPECT_GT(map->Traversability({1.6, y, 0.0}), 0.25) << y;
+    EXPECT_LT(map->Traversability({1.6, y, 0.0}), 0.75) << y;
+    EXPECT_TRUE(map->CircleFree({1.6, y, 0.0})) << y;
     EXPECT_FALSE(map->At(1.61, y).steppable) << y;
     EXPECT_TRUE(map->At(1.8, y).steppable) << y;
   }
@@ -46,9 +46,9 @@ TEST(TerrainObstacles, BarTenCentimetresHighSeenFromBothSidesIsNoKerb) {
   world.AddBox({1.6, -3.0, 0}, {1.72, 3.0, 0.10});
   const auto map = MapOf(world, {{3.3, 0, 0}, {0, 0, 0}});
   for (double y = -1.0; y <= 1.0; y += 0.2) {
-    EXPECT_EQ(map->Traversability({1.66, y}), 0.0) << y;
-    EXPECT_FALSE(map->CircleFree({1.66, y})) << y;
-    EXPECT_TRUE(map->CircleFree({0.6, y})) << y;
+    EXPECT_EQ(map->Traversability({1.66, y, 0.0}), 0.0) << y;
+    EXPECT_FALSE(map->CircleFree({1.66, y, 0.0})) << y;
+    EXPECT_TRUE(map->CircleFree({0.6, y, 0.0})) << y;
   }
 }
 
@@ -56,19 +56,19 @@ TEST(TerrainObstacles, StepOfThirtyCentimetresBlocks) {
   const auto map = MapOf(StepWorld(1.6, 0.30), {{0, 0, 0}});
   for (double y = -2.0; y <= 2.0; y += 0.2) {
     double least = 1.0;
-    for (double x = 1.4; x < 1.8; x += 0.02) least = std::min(least, map->Traversability({x, y}));
+    for (double x = 1.4; x < 1.8; x += 0.02) least = std::min(least, map->Traversability({x, y, 0.0}));
     EXPECT_EQ(least, 0.0) << y;
-    EXPECT_FALSE(map->CircleFree({1.3, y})) << y;
-    EXPECT_EQ(map->Traversability({2.2, y}), 0.0) << "a platform that nothing leads to";
+    EXPECT_FALSE(map->CircleFree({1.3, y, 0.0})) << y;
+    EXPECT_EQ(map->Traversability({2.2, y, 0.3}), 0.0) << "a platform that nothing leads to";
   }
 }
 
 TEST(TerrainObstacles, StepDownOfThirtyCentimetresBlocks) {
   const auto map = MapOf(StepWorld(1.6, -0.30), {{0, 0, 0}});
   for (double y = -2.0; y <= 2.0; y += 0.2) {
-    EXPECT_FALSE(map->CircleFree({1.3, y})) << y;
+    EXPECT_FALSE(map->CircleFree({1.3, y, 0.0})) << y;
     EXPECT_FALSE(map->At(1.64, y).steppable) << y;
-    EXPECT_EQ(map->Traversability({1.66, y}), 0.0) << y;
+    EXPECT_EQ(map->Traversability({1.66, y, 0.0}), 0.0) << y;
   }
 }
 
@@ -80,10 +80,10 @@ TEST(TerrainObstacles, RampOfTenDegreesIsMeasuredWithinADegree) {
   const auto map = MapOf(world, {{0, 0, 0}});
   for (double x = 2.0; x < 4.0; x += 0.25) {
     for (double y = -1.5; y <= 1.5; y += 0.5) {
-      const auto surface = map->SurfaceAt({x, y});
+      const auto surface = map->SurfaceAt({x, y, (x - 1.5) * rise});
       EXPECT_NEAR(core::Degrees(surface.slope_rad), 10.0, 1.0) << x << " " << y;
       EXPECT_NEAR(surface.height_m, (x - 1.5) * rise, 0.02) << x << " " << y;
-      EXPECT_GT(map->Traversability({x, y}), 0.6) << x << " " << y;
+      EXPECT_GT(map->Traversability({x, y, (x - 1.5) * rise}), 0.6) << x << " " << y;
       EXPECT_TRUE(map->At(x, y).steppable) << x << " " << y;
     }
   }
@@ -96,10 +96,10 @@ TEST(TerrainObstacles, ArchAboveTheRobotIsNeitherGroundNorObstacle) {
   world.AddBox({2.0, -1.2, 0}, {2.8, -1.0, 1.6});
   const auto map = MapOf(world, {{0, 0, 0}});
   for (double x = 1.2; x < 3.6; x += 0.1) {
-    EXPECT_TRUE(map->FootprintFree({x, 0.0}, 0.0)) << x;
+    EXPECT_TRUE(map->FootprintFree({x, 0.0, 0.0}, 0.0)) << x;
     EXPECT_NEAR(map->At(x, 0.0).height_m, 0.0, 0.02) << x;
   }
-  EXPECT_FALSE(map->FootprintFree({2.4, 0.9}, 0.0));
+  EXPECT_FALSE(map->FootprintFree({2.4, 0.9, 0.0}, 0.0));
 }
 
 TEST(TerrainObstacles, TableBlocksOverItsWholeAreaThoughTheFloorBelowIsSeen) {
@@ -107,9 +107,10 @@ TEST(TerrainObstacles, TableBlocksOverItsWholeAreaThoughTheFloorBelowIsSeen) {
   world.AddBox({1.8, -0.6, 0.57}, {3.0, 0.6, 0.60});
   const auto map = MapOf(world, {{0, 0, 0}, {1.2, -2.0, 0}});
   for (double x = 1.8; x < 3.0; x += 0.1) {
-    for (double y = -0.5; y <= 0.5; y += 0.1) EXPECT_FALSE(map->FootprintFree({x, y}, 0.0)) << x << " " << y;
+    for (double y = -0.5; y <= 0.5; y += 0.1)
+      EXPECT_FALSE(map->FootprintFree({x, y, 0.0}, 0.0)) << x << " " << y;
   }
-  EXPECT_TRUE(map->FootprintFree({1.0, 0.0}, 0.0));
+  EXPECT_TRUE(map->FootprintFree({1.0, 0.0, 0.0}, 0.0));
 }
 
 TEST(TerrainObstacles, SpaceBelowALowBellyIsNotFreeBeforeItWasLookedInto) {
@@ -119,8 +120,8 @@ TEST(TerrainObstacles, SpaceBelowALowBellyIsNotFreeBeforeItWasLookedInto) {
   EXPECT_TRUE(map->At(2.6, 0.0).known);
   for (double x = 2.3; x < 4.8; x += 0.1) {
     for (double y = -1.2; y <= 1.2; y += 0.1) {
-      EXPECT_FALSE(map->FootprintFree({x, y}, 0.0)) << x << " " << y;
-      EXPECT_FALSE(map->CircleFree({x, y})) << x << " " << y;
+      EXPECT_FALSE(map->FootprintFree({x, y, 0.0}, 0.0)) << x << " " << y;
+      EXPECT_FALSE(map->CircleFree({x, y, 0.0})) << x << " " << y;
     }
   }
 }
@@ -131,9 +132,9 @@ TEST(TerrainObstacles, RailsBlockWhereTheyStandAndNotBeside) {
   world.AddBox({2.0, -4, 1.07}, {2.05, 4, 1.12});
   const auto map = MapOf(world, {{0, 0, 0}, {0.8, 1.0, 0}});
   for (double y = -1.5; y <= 1.5; y += 0.1) {
-    EXPECT_FALSE(map->CircleFree({1.9, y})) << y;
-    EXPECT_FALSE(map->CircleFree({2.3, y})) << y;
-    EXPECT_TRUE(map->CircleFree({1.3, y})) << y;
+    EXPECT_FALSE(map->CircleFree({1.9, y, 0.0})) << y;
+    EXPECT_FALSE(map->CircleFree({2.3, y, 0.0})) << y;
+    EXPECT_TRUE(map->CircleFree({1.3, y, 0.0})) << y;
   }
 }
 

@@ -167,18 +167,29 @@ TEST(TerrainReading, SpinsDepthImagesAndFeetLieWhereOdometryHasThem) {
   }
 }
 
-/// Ground that is obstacle at x < 1, a slope of so much as y, and narrow along its x axis.
+/// Ground on two levels, at 10 x + y and 4 m above: on the lower one obstacle at x < 1, a slope of so much as
+/// y, and narrow along its x axis; on the upper one nothing.
 class Marked final : public TraversableGround {
  public:
-  double Traversability(const Vec2& p) const override { return p.x(); }
-  GroundKind KindAt(const Vec2& p) const override {
+  static double HeightAt(const Vec2& p) { return 10.0 * p.x() + p.y(); }
+  static bool IsLower(const Vec3& p) { return std::abs(p.z() - HeightAt(p.head<2>())) <= kSameLevel_m; }
+
+  Levels LevelsAt(const Vec2& p) const override {
+    Levels levels;
+    levels.Add(HeightAt(p));
+    levels.Add(HeightAt(p) + 4.0);
+    return levels;
+  }
+  double Traversability(const Vec3& p) const override { return IsLower(p) ? p.x() : 0.0; }
+  GroundKind KindAt(const Vec3& p) const override {
+    if (!IsLower(p)) return GroundKind::kUnknown;
     return p.x() < 1.0 ? GroundKind::kObstacle : GroundKind::kFree;
   }
-  bool FootprintFree(const Vec2& p, double yaw_rad) const override {
-    return p.x() >= 1.0 && std::abs(core::WrapAngle(yaw_rad)) < 0.01;
+  bool FootprintFree(const Vec3& p, double yaw_rad) const override {
+    return IsLower(p) && p.x() >= 1.0 && std::abs(core::WrapAngle(yaw_rad)) < 0.01;
   }
-  bool CircleFree(const Vec2& p) const override { return p.y() > 2.0; }
-  Surface SurfaceAt(const Vec2& p) const override { return {10.0 * p.x() + p.y(), p.y(), 0.25}; }
+  bool CircleFree(const Vec3& p) const override { return IsLower(p) && p.y() > 2.0; }
+  Surface SurfaceAt(const Vec3& p) const override { return {p.z(), p.y(), 0.25}; }
   core::Box3 Window() const override { return {Vec3(-3, -2, -4), Vec3(5, 6, 2.5)}; }
 };
 
@@ -188,14 +199,19 @@ TEST(PosedGround, ShowsInTheMapWhatLiesInOdometry) {
   const core::Pose T_odom_base = PoseFromXyzYaw({1.0, 2.0, 0.4}, -0.3);
   const PosedGround posed(ground, T_map_odom * T_odom_base, T_odom_base);
   for (const Vec2& p : {Vec2(0.9, 2.5), Vec2(1.1, 1.5), Vec2(4.0, -3.0)}) {
-    const Vec2 p_map = (T_map_odom * Vec3(p.x(), p.y(), 0.0)).head<2>();
+    const Vec3 p_odom(p.x(), p.y(), Marked::HeightAt(p)), p_map = T_map_odom * p_odom;
     EXPECT_NEAR(posed.Traversability(p_map), p.x(), 1e-9);
-    EXPECT_EQ(posed.KindAt(p_map), ground.KindAt(p));
-    EXPECT_EQ(posed.CircleFree(p_map), ground.CircleFree(p));
+    EXPECT_EQ(posed.KindAt(p_map), ground.KindAt(p_odom));
+    EXPECT_EQ(posed.CircleFree(p_map), ground.CircleFree(p_odom));
     EXPECT_EQ(posed.FootprintFree(p_map, 0.9), p.x() >= 1.0);
     EXPECT_FALSE(posed.FootprintFree(p_map, 0.0));
-    EXPECT_NEAR(posed.SurfaceAt(p_map).height_m, 10.0 * p.x() + p.y() + 1.5, 1e-9);
+    EXPECT_NEAR(posed.SurfaceAt(p_map).height_m, p_map.z(), 1e-9);
     EXPECT_NEAR(posed.SurfaceAt(p_map).slope_rad, p.y(), 1e-9);
+    const auto levels = posed.LevelsAt(p_map.head<2>());
+    ASSERT_EQ(levels.count, 2);
+    EXPECT_NEAR(levels.height_m[0], p_map.z(), 1e-9);
+    EXPECT_NEAR(levels.height_m[1], p_map.z() + 4.0, 1e-9);
+    EXPECT_EQ(posed.KindAt(p_map - Vec3(0, 0, 1.5)), GroundKind::kUnknown) << "odometry's height";
   }
   const Vec3 centre = T_map_odom * Vec3(1.0, 2.0, -0.75);
   EXPECT_LT((posed.Window().Center() - centre).norm(), 1e-9);
@@ -208,8 +224,10 @@ TEST(PosedGround, ATiltOfTheLocalisationLiftsNothing) {
   core::Pose T_map_base = T_odom_base;
   T_map_base.linear() = core::RotationFromYawPitchRoll(0.0, Radians(2.0), 0.0);
   const PosedGround posed(ground, T_map_base, T_odom_base);
-  EXPECT_NEAR(posed.SurfaceAt({55.0, 2.0}).height_m, ground.SurfaceAt({55.0, 2.0}).height_m, 1e-9);
-  EXPECT_NEAR(posed.SurfaceAt({50.0, 2.0}).height_m, ground.SurfaceAt({50.0, 2.0}).height_m, 1e-9);
+  for (const double x : {50.0, 55.0}) {
+    EXPECT_NEAR(posed.SurfaceAt({x, 2.0, 3.0}).height_m, 3.0, 1e-9) << x;
+    EXPECT_NEAR(posed.LevelsAt({x, 2.0}).front(), ground.LevelsAt({x, 2.0}).front(), 1e-9) << x;
+  }
 }
 
 }  // namespace

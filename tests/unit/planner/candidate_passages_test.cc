@@ -31,7 +31,7 @@ TEST(Passages, ADoorwayAnywhereIsPassedInItsMiddleAndSquare) {
     const Walkable walkable(ground, Vec2::Zero());
     const std::vector<Passage> passages = FindPassages(walkable, 1.6);
     ASSERT_EQ(passages.size(), 1u) << x << " " << y << " " << width;
-    const Vec2 a = passages[0].a, b = passages[0].b;
+    const core::Vec3 a = passages[0].a, b = passages[0].b;
     EXPECT_NEAR(a.x(), x, 0.03);
     EXPECT_NEAR(b.x(), x, 0.03);
     EXPECT_LT(std::min(a.y(), b.y()), y);
@@ -40,7 +40,7 @@ TEST(Passages, ADoorwayAnywhereIsPassedInItsMiddleAndSquare) {
     EXPECT_TRUE(walkable.CanStep(a, b));
     EXPECT_NEAR(passages[0].clearance_m, 0.5 * width - 0.33, 0.04);
     for (double u = 0.0; u <= 1.0; u += 0.02) {
-      EXPECT_GT(ground.Clearance(a + u * (b - a)), 0.5 * width - 0.04);
+      EXPECT_GT(ground.Clearance((a + u * (b - a)).head<2>()), 0.5 * width - 0.04);
     }
   }
 }

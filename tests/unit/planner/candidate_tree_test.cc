@@ -32,7 +32,7 @@ TEST(CandidateTree, EveryRrtNodeStandsFreeAndEveryEdgeIsFree) {
   const CandidateTree tree = RrtCandidates(walkable, 150, 0.6, core::Rng(2));
   ASSERT_GT(tree.nodes.size(), 100u);
   for (size_t i = 0; i < tree.nodes.size(); ++i) {
-    const auto path = tree.PathTo(static_cast<int>(i), Vec2::Zero());
+    const auto path = tests::Flattened(tree.PathTo(static_cast<int>(i), core::Vec3::Zero()));
     const Vec2 a = path[path.size() - 2], b = path.back();
     EXPECT_LE((b - a).norm(), 0.6 + 1e-9);
     EXPECT_GE(ground.Clearance(b), 0.50);  // the radius less the snap of the memo
@@ -79,7 +79,7 @@ TEST(CandidateTree, ARobotTooNearAWallEscapes) {
   tests::FlatGround ground;
   ground.AddObstacle(Vec2(0.45, -6.0), Vec2(6.0, 6.0));
   const Walkable walkable(ground, Vec2::Zero());
-  EXPECT_FALSE(walkable.CanStand(Vec2::Zero()));
+  EXPECT_FALSE(walkable.CanStand(core::Vec3::Zero()));
   EXPECT_GT(RrtCandidates(walkable, 60, 0.6, core::Rng(1)).nodes.size(), 40u);
   EXPECT_GT(LatticeCandidates(walkable, 0.5).nodes.size(), 40u);
 }
@@ -97,7 +97,7 @@ TEST(CandidateTree, LatticeReachesAllItCanByTheShortestWay) {
       const Vec2& p = tree.nodes[i].p_map;
       const auto relax = [&](const Vec2& from, double before, double reach) {
         if ((p - from).cwiseAbs().maxCoeff() > reach || before + (p - from).norm() > length[i] - 1e-9) return;
-        if (!walkable.CanStep(from, p)) return;
+        if (!walkable.CanStep({from.x(), from.y(), 0.0}, {p.x(), p.y(), 0.0})) return;
         length[i] = before + (p - from).norm();
         changed = true;
       };
@@ -131,7 +131,7 @@ TEST(CandidateTree, LatticeGoesThroughADoorwayBesideItsPlaces) {
   const CandidateTree tree = LatticeCandidates(walkable, 0.5, 0.0, FindPassages(walkable, 1.6));
   EXPECT_GT(beyond(tree), 100);
   for (size_t i = 0; i < tree.nodes.size(); ++i) {
-    const auto path = tree.PathTo(static_cast<int>(i), Vec2::Zero());
+    const auto path = tests::Flattened(tree.PathTo(static_cast<int>(i), core::Vec3::Zero()));
     const std::vector<size_t> narrow = tree.NarrowSteps(static_cast<int>(i));
     EXPECT_EQ(narrow.size(), tree.nodes[i].p_map.x() > 1.2 ? 1u : 0u);
     double length = 0.0;

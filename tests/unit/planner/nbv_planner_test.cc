@@ -514,7 +514,7 @@ TEST(RandomPlanner, TakesReachableViewsOfAllDirectionsAndNeverEnds) {
   EXPECT_NE(views, decide(2));
   int left = 0, ahead = 0;
   for (const Vec2& p : views) {
-    EXPECT_EQ(ground.KindAt(p), mapping::GroundKind::kFree);
+    EXPECT_EQ(ground.KindAt({p.x(), p.y(), 0.0}), mapping::GroundKind::kFree);
     left += p.x() < 0.0;
     ahead += p.y() > -3.0;
   }

@@ -19,7 +19,7 @@ core::Pose At(const Vec2& p, double yaw_rad) {
 class Wedge : public tests::FlatGround {
  public:
   Wedge(const Vec2& apex, double direction_rad) : apex_(apex), direction_rad_(direction_rad) {}
-  mapping::GroundKind KindAt(const Vec2& p) const override {
+  mapping::GroundKind KindAt(const core::Vec3& p) const override {
     const double off = std::atan2(p.y() - apex_.y(), p.x() - apex_.x()) - direction_rad_;
     return std::abs(core::WrapAngle(off)) < core::Radians(10.0) ? mapping::GroundKind::kFree
                                                                 : mapping::GroundKind::kObstacle;
@@ -35,7 +35,7 @@ const std::vector<Vec2> kWay = {Vec2(0, 0), Vec2(2, 0), Vec2(2, 1), Vec2(3, 1)};
 
 TEST(Recovery, TheRobotGoesBackTheWayItCameAndLooksAlongIt) {
   Recovery recovery;
-  recovery.SetOut(kWay, kStill);
+  recovery.SetOut(tests::OnFloor(kWay), kStill);
   const Vec2 here(3.1, 1.2);  // not quite where the way ended
   const auto back = recovery.Next(At(here, 0.3), tests::FlatGround(), kStill);
   ASSERT_TRUE(back);
@@ -46,7 +46,7 @@ TEST(Recovery, TheRobotGoesBackTheWayItCameAndLooksAlongIt) {
 TEST(Recovery, OnlyOnItsWayIsThereAWayBack) {
   for (const double off_m : {0.49, 0.51}) {
     Recovery recovery;
-    recovery.SetOut(kWay, kStill);
+    recovery.SetOut(tests::OnFloor(kWay), kStill);
     const Vec2 here(3.0, 1.0 + off_m);
     const auto move = recovery.Next(At(here, 0.0), tests::FlatGround(), kStill);
     ASSERT_TRUE(move);
@@ -56,7 +56,7 @@ TEST(Recovery, OnlyOnItsWayIsThereAWayBack) {
 
 TEST(Recovery, BackThenATurnThenAStepThenNothing) {
   Recovery recovery;
-  recovery.SetOut(kWay, kStill);
+  recovery.SetOut(tests::OnFloor(kWay), kStill);
   const tests::FlatGround free;
   const Vec2 start = kWay.front();
   EXPECT_EQ(recovery.Next(At(kWay.back(), 0.0), free, kStill)->path_map.back(), start);
@@ -70,7 +70,7 @@ TEST(Recovery, BackThenATurnThenAStepThenNothing) {
   EXPECT_EQ(step->path_map.front(), start);
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(recovery.Next(At(start, 1.0), free, kStill)) << "all was tried";
 
-  recovery.SetOut({start, Vec2(1, 0)}, kStill);
+  recovery.SetOut(tests::OnFloor({start, Vec2(1, 0)}), kStill);
   EXPECT_EQ(recovery.Next(At(Vec2(1, 0), 0.0), free, kStill)->path_map.size(), 2u)
       << "and again after setting out";
   EXPECT_EQ(recovery.Next(At(start, 0.0), free, kStill)->path_map.size(), 1u);

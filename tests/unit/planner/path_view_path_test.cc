@@ -17,11 +17,16 @@ void ExpectFree(const tests::FlatGround& ground, const std::vector<Vec2>& path) 
   }
 }
 
+std::vector<Vec2> PlannedPath(const Walkable& walkable, const std::vector<Vec2>& tree_path, int iterations,
+                              const core::Rng& rng) {
+  return tests::Flattened(PlanViewPath(walkable, tests::OnFloor(tree_path), iterations, rng));
+}
+
 TEST(ViewPath, OpenGroundIsCrossedStraight) {
   const tests::FlatGround ground;
   const Walkable walkable(ground, Vec2::Zero());
   const std::vector<Vec2> zigzag = {Vec2(0, 0), Vec2(1, 1), Vec2(2, -1), Vec2(4, 0)};
-  const auto path = PlanViewPath(walkable, zigzag, 500, core::Rng(1));
+  const auto path = PlannedPath(walkable, zigzag, 500, core::Rng(1));
   ASSERT_EQ(path.size(), 2u);
   EXPECT_NEAR(PathLength(path), 4.0, 1e-12);
 }
@@ -32,7 +37,7 @@ TEST(ViewPath, RrtStarRoundsACornerNearlyAsShortAsCanBe) {
   const Walkable walkable(ground, Vec2::Zero());
   // A long way round: over the top, wide.
   const std::vector<Vec2> tree_path = {Vec2(0, 0), Vec2(0, 3), Vec2(2, 4), Vec2(4, 3), Vec2(4, 0)};
-  const auto path = PlanViewPath(walkable, tree_path, 2000, core::Rng(1));
+  const auto path = PlannedPath(walkable, tree_path, 2000, core::Rng(1));
   ExpectFree(ground, path);
   EXPECT_EQ(path.front(), tree_path.front());
   EXPECT_EQ(path.back(), tree_path.back());
@@ -48,7 +53,7 @@ TEST(ViewPath, WithoutIterationsTheTreePathIsStraightened) {
   const Walkable walkable(ground, Vec2::Zero());
   const std::vector<Vec2> tree_path = {Vec2(0, 0), Vec2(0, 1), Vec2(0, 2),
                                        Vec2(2, 2), Vec2(4, 2), Vec2(4, 0)};
-  const auto path = PlanViewPath(walkable, tree_path, 0, core::Rng(1));
+  const auto path = PlannedPath(walkable, tree_path, 0, core::Rng(1));
   ExpectFree(ground, path);
   EXPECT_LT(PathLength(path), PathLength(tree_path));
   for (const Vec2& p : path) EXPECT_NE(std::find(tree_path.begin(), tree_path.end(), p), tree_path.end());
@@ -62,7 +67,8 @@ TEST(ViewPath, PassagesAreWalkedAsTheyAreAndTheRestIsStraightened) {
   const Vec2 in(0.3, 1.23), out(1.9, 1.23);
   const std::vector<Vec2> tree_path = {Vec2(0, 0), Vec2(0, -1), Vec2(-0.5, 0), in,
                                        out,        Vec2(2, 3),  Vec2(4, 0)};
-  const auto path = PlanViewPath(walkable, tree_path, {3}, 300, core::Rng(2));
+  const auto path =
+      tests::Flattened(PlanViewPath(walkable, tests::OnFloor(tree_path), {3}, 300, core::Rng(2)));
   ExpectFree(ground, path);
   EXPECT_EQ(path.front(), tree_path.front());
   EXPECT_EQ(path.back(), tree_path.back());
@@ -78,15 +84,15 @@ TEST(ViewPath, SameStreamGivesTheSamePath) {
   ground.AddObstacle(Vec2(1.5, -2.0), Vec2(2.5, 1.0));
   const Walkable walkable(ground, Vec2::Zero());
   const std::vector<Vec2> tree_path = {Vec2(0, 0), Vec2(0, 3), Vec2(4, 3), Vec2(4, 0)};
-  const auto first = PlanViewPath(walkable, tree_path, 400, core::Rng(9));
-  PlanViewPath(walkable, tree_path, 100, core::Rng(3));
-  EXPECT_EQ(first, PlanViewPath(walkable, tree_path, 400, core::Rng(9)));
+  const auto first = PlannedPath(walkable, tree_path, 400, core::Rng(9));
+  PlannedPath(walkable, tree_path, 100, core::Rng(3));
+  EXPECT_EQ(first, PlannedPath(walkable, tree_path, 400, core::Rng(9)));
 }
 
 TEST(ViewPath, StandingAtTheViewNeedsNoPath) {
   const tests::FlatGround ground;
   const Walkable walkable(ground, Vec2::Zero());
-  EXPECT_EQ(PlanViewPath(walkable, {Vec2::Zero()}, 100, core::Rng(1)).size(), 1u);
+  EXPECT_EQ(PlannedPath(walkable, {Vec2::Zero()}, 100, core::Rng(1)).size(), 1u);
 }
 
 }  // namespace

@@ -161,5 +161,49 @@ TEST(Roadmap, JoinsNewPlacesToThoseThatACorrectionMovedOffTheLattice) {
   }
 }
 
+/// A lower floor, a ramp beside it, and an upper floor right above: places at the same (x, y), 3 m apart.
+CandidateTree UpTheRamp() {
+  CandidateTree tree;
+  const auto add = [&tree](const Vec2& p, double ground_m) {
+    const int parent = static_cast<int>(tree.nodes.size()) - 1;
+    const double before = parent < 0 ? 0.0 : tree.nodes.back().path_length_m;
+    const double length = parent < 0 ? 0.0 : (p - tree.nodes.back().p_map).norm();
+    tree.nodes.push_back({p, parent, before + length, ground_m});
+  };
+  for (double x = 0.0; x <= 4.0; x += kSpacing) add({x, 0.0}, 0.0);
+  for (double x = 4.0; x >= -4.0; x -= kSpacing) add({x, 1.0}, 3.0 * (4.0 - x) / 8.0);
+  for (double x = -4.0; x <= 4.0; x += kSpacing) add({x, 0.0}, 3.0);
+  return tree;
+}
+
+TEST(Roadmap, PlacesAboveOneAnotherAreTwo) {
+  const CandidateTree tree = UpTheRamp();
+  Roadmap roadmap;
+  tests::MovedKeyframes poses;
+  roadmap.Learn(tree, poses);
+  EXPECT_EQ(roadmap.size(), tree.nodes.size());
+  roadmap.Learn(tree, poses);
+  EXPECT_EQ(roadmap.size(), tree.nodes.size()) << "learnt anew";
+}
+
+TEST(Roadmap, TheWayToTheFloorAboveGoesByTheRamp) {
+  const CandidateTree tree = UpTheRamp();
+  Roadmap roadmap;
+  roadmap.Learn(tree, tests::MovedKeyframes());
+  CandidateTree there;
+  there.nodes.push_back({Vec2(2.0, 0.0), -1, 0.0, 0.0});
+  roadmap.Extend(&there);
+  const auto place = [&](double ground_m) {
+    return std::find_if(there.nodes.begin(), there.nodes.end(), [&](const CandidateNode& node) {
+      return (node.p_map - Vec2(2.0, 0.0)).norm() < 1e-9 && std::abs(node.ground_m - ground_m) < 1e-9;
+    });
+  };
+  const auto above = place(3.0);
+  ASSERT_NE(above, there.nodes.end());
+  EXPECT_NEAR(above->path_length_m, 2.0 + 1.0 + 8.0 + 1.0 + 6.0, 1e-9);
+  EXPECT_NE(place(0.0), there.nodes.end());
+  EXPECT_EQ(there.nodes.size(), tree.nodes.size());
+}
+
 }  // namespace
 }  // namespace atlas::planner

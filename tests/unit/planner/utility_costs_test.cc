@@ -10,7 +10,7 @@
 namespace atlas::planner {
 namespace {
 
-const tests::MovedKeyframes kKeyframesAtRest;
+const tests::MovedKeyframes kUnmoved;
 
 using core::Vec2;
 using core::Vec3;
@@ -67,7 +67,7 @@ TEST(Costs, BehindIsTheHalfPlaneAtTheRobotsBack) {
 class TiltedGround : public tests::FlatGround {
  public:
   double slope_rad = 0.0;
-  Surface SurfaceAt(const Vec2&) const override { return {0.0, slope_rad, 0.0}; }
+  Surface SurfaceAt(const core::Vec3&) const override { return {0.0, slope_rad, 0.0}; }
 };
 
 TEST(Costs, WalkTimeCountsLengthTurnsAndSlope) {
@@ -77,10 +77,12 @@ TEST(Costs, WalkTimeCountsLengthTurnsAndSlope) {
   model.speed_mps = 0.5;
   model.turn_rate_radps = 0.5;
   const std::vector<Vec2> path = {Vec2(0, 0), Vec2(2, 0), Vec2(2, 1)};
-  EXPECT_NEAR(WalkTime(model, walkable, path, 0.0, 0.5 * core::kPi), 3.0 / 0.5 + 0.5 * core::kPi / 0.5, 1e-9);
-  EXPECT_NEAR(WalkTime(model, walkable, path, core::kPi, 0.0), 6.0 + 2.0 * core::kPi / 0.5, 1e-9);
+  EXPECT_NEAR(WalkTime(model, walkable, tests::OnFloor(path), 0.0, 0.5 * core::kPi),
+              3.0 / 0.5 + 0.5 * core::kPi / 0.5, 1e-9);
+  EXPECT_NEAR(WalkTime(model, walkable, tests::OnFloor(path), core::kPi, 0.0), 6.0 + 2.0 * core::kPi / 0.5,
+              1e-9);
   ground.slope_rad = model.slope_scale_rad;
-  EXPECT_NEAR(WalkTime(model, walkable, path, 0.0, 0.5 * core::kPi), 12.0 + core::kPi, 1e-9)
+  EXPECT_NEAR(WalkTime(model, walkable, tests::OnFloor(path), 0.0, 0.5 * core::kPi), 12.0 + core::kPi, 1e-9)
       << "half the speed";
   EXPECT_NEAR(ContinuousTraversalCost(model, model.time_scale_s), 1.0 - std::exp(-1.0), 1e-12);
   EXPECT_EQ(ContinuousTraversalCost(model, 0.0), 0.0);
@@ -155,24 +157,24 @@ core::Pose Standing(double x) {
 
 TEST(ViewMemory, APromiseThatBringsNothingCountsAsBrokenWhereItWasMade) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000, kKeyframesAtRest);
-  memory.Commit({Vec2(3.0, 0.0), 0.0}, kKeyframesAtRest);
-  memory.RecordSweep(Standing(3.1), 2, kKeyframesAtRest);
+  memory.RecordSweep(Standing(0.0), 10000, kUnmoved);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kUnmoved);
+  memory.RecordSweep(Standing(3.1), 2, kUnmoved);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(4.5, 0.0)), 0);
   EXPECT_FALSE(memory.commitment().has_value());
-  memory.Commit({Vec2(3.0, 0.0), 0.0}, kKeyframesAtRest);
-  memory.RecordSweep(Standing(3.0), 5000, kKeyframesAtRest);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kUnmoved);
+  memory.RecordSweep(Standing(3.0), 5000, kUnmoved);
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(3.0, 0.0)), 1) << "kept";
 }
 
 TEST(ViewMemory, TrustGrowsWithTheDistanceToBrokenPromises) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000, kKeyframesAtRest);
+  memory.RecordSweep(Standing(0.0), 10000, kUnmoved);
   EXPECT_EQ(memory.TrustAt(Vec2(1.0, 2.0), 6.0), 1.0) << "nothing was broken yet";
   for (const double x : {3.0, 9.0}) {
-    memory.Commit({Vec2(x, 0.0), 0.0}, kKeyframesAtRest);
-    memory.RecordSweep(Standing(x), 2, kKeyframesAtRest);
+    memory.Commit({Vec2(x, 0.0), 0.0}, kUnmoved);
+    memory.RecordSweep(Standing(x), 2, kUnmoved);
   }
   EXPECT_EQ(memory.TrustAt(Vec2(3.0, 0.0), 6.0), 0.0);
   // 6 m from one and, by the right angle, the root of 72 m from the other.
@@ -182,9 +184,9 @@ TEST(ViewMemory, TrustGrowsWithTheDistanceToBrokenPromises) {
 
 TEST(ViewMemory, ACommitmentStaysUntilASweepIsTakenThere) {
   ViewMemory memory;
-  memory.RecordSweep(Standing(0.0), 10000, kKeyframesAtRest);
-  memory.Commit({Vec2(3.0, 0.0), 0.0}, kKeyframesAtRest);
-  memory.RecordSweep(Standing(1.5), 3, kKeyframesAtRest);
+  memory.RecordSweep(Standing(0.0), 10000, kUnmoved);
+  memory.Commit({Vec2(3.0, 0.0), 0.0}, kUnmoved);
+  memory.RecordSweep(Standing(1.5), 3, kUnmoved);
   EXPECT_TRUE(memory.commitment().has_value());
   EXPECT_EQ(memory.BrokenPromisesNear(Vec2(1.5, 0.0)), 0) << "nothing was promised here";
 }

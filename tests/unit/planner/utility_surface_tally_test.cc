@@ -11,11 +11,16 @@ using core::Vec3f;
 class LevelGround : public mapping::TraversableGround {
  public:
   explicit LevelGround(double height_m) : height_m_(height_m) {}
-  double Traversability(const core::Vec2&) const override { return 1.0; }
-  mapping::GroundKind KindAt(const core::Vec2&) const override { return mapping::GroundKind::kFree; }
-  bool FootprintFree(const core::Vec2&, double) const override { return true; }
-  bool CircleFree(const core::Vec2&) const override { return true; }
-  Surface SurfaceAt(const core::Vec2&) const override {
+  Levels LevelsAt(const core::Vec2&) const override {
+    Levels levels;
+    levels.Add(height_m_);
+    return levels;
+  }
+  double Traversability(const core::Vec3&) const override { return 1.0; }
+  mapping::GroundKind KindAt(const core::Vec3&) const override { return mapping::GroundKind::kFree; }
+  bool FootprintFree(const core::Vec3&, double) const override { return true; }
+  bool CircleFree(const core::Vec3&) const override { return true; }
+  Surface SurfaceAt(const core::Vec3&) const override {
     Surface surface;
     surface.height_m = height_m_;
     return surface;
