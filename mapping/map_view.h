@@ -81,23 +81,22 @@ class RaySamples {
   }
 
   /// The next voxel, or voxels of one value in a row. Returns false where the ray ends: at an occupied voxel.
-  bool Add(float occupancy, CellState state, uint64_t key, float length_m, uint32_t voxels = 1,
-           float behind_surface = 0.0f) {
-    if (!samples_.empty() && Joins(samples_.back(), occupancy, state, behind_surface)) {
-      samples_.back().length_m += length_m;
-      samples_.back().voxels += voxels;
+  bool Add(const RaySample& sample) {
+    if (!samples_.empty() && Joins(samples_.back(), sample)) {
+      samples_.back().length_m += sample.length_m;
+      samples_.back().voxels += sample.voxels;
       return true;
     }
-    samples_.push_back({occupancy, length_m, key, behind_surface, voxels, state});
-    return state != CellState::kOccupied;
+    samples_.push_back(sample);
+    return sample.state != CellState::kOccupied;
   }
 
  private:
-  bool Joins(const RaySample& last, float occupancy, CellState state, float behind_surface) const {
-    if (state == CellState::kFree)
-      return last.state == CellState::kFree && (!limits_.each_free || last.occupancy == occupancy);
-    return !limits_.each_unmeasured && occupancy == kUnmeasured && last.occupancy == kUnmeasured &&
-           last.behind_surface == 0.0f && behind_surface == 0.0f;
+  bool Joins(const RaySample& last, const RaySample& next) const {
+    if (next.state == CellState::kFree)
+      return last.state == CellState::kFree && (!limits_.each_free || last.occupancy == next.occupancy);
+    return !limits_.each_unmeasured && next.occupancy == kUnmeasured && last.occupancy == kUnmeasured &&
+           last.behind_surface == 0.0f && next.behind_surface == 0.0f;
   }
   static constexpr float kUnmeasured = 0.5f;
 

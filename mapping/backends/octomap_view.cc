@@ -115,7 +115,11 @@ RayEnd OctomapView::Trace(const Vec3& origin_map, const Vec3& direction_map, con
       uint32_t voxels = 0;
       float length_m = 0.0f;
       on = ray.CrossCube(behind != nullptr ? kBlockLevel : leaves.height(), &voxels, &length_m);
-      met.Add(p_first, state_first, PackedKey(voxel), length_m, voxels);
+      met.Add({.occupancy = p_first,
+               .length_m = length_m,
+               .key = PackedKey(voxel),
+               .voxels = voxels,
+               .state = state_first});
       continue;
     }
     on = ray.CrossVoxels(&occupied, [&](int index, double length_m) {
@@ -123,10 +127,13 @@ RayEnd OctomapView::Trace(const Vec3& origin_map, const Vec3& direction_map, con
       const OcTreeNode* const leaf = leaves.At(KeyOf(at));
       if (leaf == nullptr) {
         const float mark = marks != nullptr ? static_cast<float>((*marks)[static_cast<size_t>(index)]) : 0.0f;
-        return met.Add(0.5f, CellState::kUnknown, PackedKey(at), static_cast<float>(length_m), 1, mark);
+        return met.Add({.length_m = static_cast<float>(length_m),
+                        .key = PackedKey(at),
+                        .behind_surface = mark,
+                        .state = CellState::kUnknown});
       }
       const float p = probability.Of(leaf->getLogOdds());
-      return met.Add(p, StateOf(p), PackedKey(at), static_cast<float>(length_m));
+      return met.Add({.occupancy = p, .length_m = static_cast<float>(length_m), .key = PackedKey(at)});
     });
   }
   return occupied ? RayEnd::kOccupied : RayEnd::kVoid;

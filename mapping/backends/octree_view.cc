@@ -94,7 +94,11 @@ RayEnd OctreeView::Trace(const Vec3& origin_map, const Vec3& direction_map, cons
       uint32_t voxels = 0;
       float length_m = 0.0f;
       on = ray.CrossCube(level, &voxels, &length_m);
-      met.Add(value.occupancy, value.state, PackedKey(voxel), length_m, voxels);
+      met.Add({.occupancy = value.occupancy,
+               .length_m = length_m,
+               .key = PackedKey(voxel),
+               .voxels = voxels,
+               .state = value.state});
       continue;
     }
 
@@ -107,7 +111,11 @@ RayEnd OctreeView::Trace(const Vec3& origin_map, const Vec3& direction_map, cons
         const float mark = marks != nullptr && value.occupancy == 0.5f
                                ? static_cast<float>((*marks)[static_cast<size_t>(index)])
                                : 0.0f;
-        return met.Add(value.occupancy, value.state, key, static_cast<float>(length_m), 1, mark);
+        return met.Add({.occupancy = value.occupancy,
+                        .length_m = static_cast<float>(length_m),
+                        .key = key,
+                        .behind_surface = mark,
+                        .state = value.state});
       });
     };
     const BlockKind kind = chunk != nullptr ? chunk->Kind(block) : BlockKind::kUniform;

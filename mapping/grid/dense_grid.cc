@@ -217,8 +217,11 @@ RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, const
   bool occupied = false, on = true;
   const auto visit = [&](size_t index, double length_m) {
     const Decoded& voxel = table_[code_[index]];
-    return met.Add(voxel.occupancy, voxel.state, index, static_cast<float>(length_m), 1,
-                   limits.behind_surface ? voxel.behind : 0.0f);
+    return met.Add({.occupancy = voxel.occupancy,
+                    .length_m = static_cast<float>(length_m),
+                    .key = index,
+                    .behind_surface = limits.behind_surface ? voxel.behind : 0.0f,
+                    .state = voxel.state});
   };
   while (on) {
     if (!block_is_free_[walk.block()]) {
@@ -229,7 +232,11 @@ RayEnd DenseGrid::Trace(const Vec3& origin_map, const Vec3& direction_map, const
     uint32_t voxels = 0;
     float length_m = 0.0f;
     on = walk.CrossBlock(&voxels, &length_m);
-    met.Add(table_[code_[first]].occupancy, CellState::kFree, first, length_m, voxels);
+    met.Add({.occupancy = table_[code_[first]].occupancy,
+             .length_m = length_m,
+             .key = first,
+             .voxels = voxels,
+             .state = CellState::kFree});
   }
   return occupied ? RayEnd::kOccupied : RayEnd::kVoid;
 }

@@ -65,7 +65,7 @@ class Frontier final : public Planner {
     int view = Nearest(log);
     if (view < 0 && !promised_) view = parts_.NearerToObject(*log);
     if (view < 0) return parts_.End(Done::Reason::kGainExhausted, belief, log);
-    return parts_.GoTo(view, belief, walkable, tree, rng, log);
+    return parts_.GoTo(view, belief, {walkable, tree}, rng, log);
   }
 
  private:

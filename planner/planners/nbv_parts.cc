@@ -61,9 +61,9 @@ Decision NbvParts::End(Done::Reason reason, const Belief& belief, DecisionLog* l
   return Done{reason};
 }
 
-Decision NbvParts::GoTo(int view, const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                        const core::Rng& rng, DecisionLog* log) {
-  const GoScan go = travel.GoTo(view, belief, walkable, tree, rng, log);
+Decision NbvParts::GoTo(int view, const Belief& belief, const Ways& ways, const core::Rng& rng,
+                        DecisionLog* log) {
+  const GoScan go = travel.GoTo(view, belief, ways, rng, log);
   memory.Commit({go.p_map, go.yaw_rad}, belief.poses);
   return go;
 }

@@ -43,8 +43,7 @@ struct NbvParts {
   /// it.
   Decision End(Done::Reason reason, const Belief& belief, DecisionLog* log);
   /// Sends the robot to the log's candidate.
-  Decision GoTo(int view, const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                const core::Rng& rng, DecisionLog* log);
+  Decision GoTo(int view, const Belief& belief, const Ways& ways, const core::Rng& rng, DecisionLog* log);
 
   Goal goal;
   double window_m;

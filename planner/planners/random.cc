@@ -54,7 +54,7 @@ class Random final : public Planner {
     view.path_length_m = node.path_length_m;
     view.yaw_rad = rng.Uniform(-core::kPi, core::kPi);
     log->candidates = {view};
-    return travel_.GoTo(0, belief, walkable, tree, rng, log);
+    return travel_.GoTo(0, belief, {walkable, tree}, rng, log);
   }
 
  private:

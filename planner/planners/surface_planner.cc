@@ -62,7 +62,7 @@ Decision SurfacePlanner::Plan(const Belief& belief, DecisionLog* log) {
     if (const auto reason = WhyDone(best)) return parts_.End(*reason, belief, log);
     view = best > 0.0 ? ranked[0] : FarthestFromScans(log->candidates, parts_.memory.visited());
   }
-  return parts_.GoTo(view, belief, walkable, tree, rng, log);
+  return parts_.GoTo(view, belief, {walkable, tree}, rng, log);
 }
 
 CandidateTree SurfacePlanner::PickPlaces(const Belief& belief, const Walkable& walkable,

@@ -61,7 +61,7 @@ Decision Thesis::Plan(const Belief& belief, DecisionLog* log) {
   if (!nearer && BelowThreshold(utility, params_.stop_utility)) {
     return parts_.End(Done::Reason::kGainExhausted, belief, log);
   }
-  return parts_.GoTo(best, belief, walkable, tree, rng, log);
+  return parts_.GoTo(best, belief, {walkable, tree}, rng, log);
 }
 
 }  // namespace

@@ -9,14 +9,14 @@ void TravelParams::Visit(core::ParamVisitor& v) {
           {.min = 0, .max = 100000, .doc = "iterations of RRT* on the way to the view"});
 }
 
-GoScan Travel::GoTo(int view, const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                    const core::Rng& rng, DecisionLog* log) {
+GoScan Travel::GoTo(int view, const Belief& belief, const Ways& ways, const core::Rng& rng,
+                    DecisionLog* log) {
   Candidate& c = log->candidates[static_cast<size_t>(view)];
   c.reason = LossReason::kChosen;
   GoScan go{.p_map = c.p_map, .yaw_rad = c.yaw_rad, .path_map = {}};
   const std::vector<core::Vec3> way =
-      PlanViewPath(walkable, tree.PathTo(c.node, walkable.start()), tree.NarrowSteps(c.node),
-                   params_.rrt_star_iterations, rng.Split("path"));
+      PlanViewPath(ways.walkable, ways.tree.PathTo(c.node, ways.walkable.start()),
+                   ways.tree.NarrowSteps(c.node), params_.rrt_star_iterations, rng.Split("path"));
   for (const core::Vec3& p : way) go.path_map.push_back(p.head<2>());
   log->best = view;
   log->path_length_m = PathLength(go.path_map);

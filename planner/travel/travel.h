@@ -21,8 +21,7 @@ class Travel {
   explicit Travel(const TravelParams& params) : params_(params) {}
 
   /// Sends the robot to the log's candidate `view`, whose node is one of the tree, by RRT*.
-  GoScan GoTo(int view, const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-              const core::Rng& rng, DecisionLog* log);
+  GoScan GoTo(int view, const Belief& belief, const Ways& ways, const core::Rng& rng, DecisionLog* log);
   /// Where no place can be reached: the next thing to try (see Recovery), as the log's only candidate; or
   /// nothing.
   std::optional<GoScan> Recover(const Belief& belief, double ground_m, DecisionLog* log);

@@ -31,6 +31,12 @@ struct CandidateTree {
   std::vector<size_t> NarrowSteps(int node) const;
 };
 
+/// Where a plan may go: what it may walk on, and the places that it reached.
+struct Ways {
+  const Walkable& walkable;
+  const CandidateTree& tree;
+};
+
 /// RRT nodes as in the thesis, at most `nodes` of them.
 CandidateTree RrtCandidates(const Walkable& walkable, int nodes, double step_m, const core::Rng& rng);
 

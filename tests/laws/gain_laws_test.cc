@@ -139,7 +139,9 @@ std::vector<RaySample> JoinedFor(const GainReads& reads, std::vector<RaySample> 
   mapping::RaySamples met(limits, &joined);
   for (const RaySample& v : voxels) {
     const float behind = reads.behind_surface && v.occupancy == 0.5f ? v.behind_surface : 0.0f;
-    met.Add(v.occupancy, v.state, v.key, v.length_m, v.voxels, behind);
+    RaySample sample = v;
+    sample.behind_surface = behind;
+    met.Add(sample);
   }
   return joined;
 }

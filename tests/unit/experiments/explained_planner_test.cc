@@ -208,14 +208,28 @@ TEST_F(ExplainedPlanner, Find) {
       printf("FIND %s %s %s/%s [%s] %d\n", planner, key, a, b, t.c_str(), acts);
     }
   };
-  tryit("frontier", "planner.dropped_after", "1", "3", {{}, {"planner.frontier_m2=0"}, {"planner.frontier_m2=0.1", "planner.nodes=20"}, {"planner.frontier_m2=0.01", "planner.headings=4"}});
-  tryit("frontier", "planner.dropped_after", "1", "2", {{}, {"planner.frontier_m2=0"}, {"planner.frontier_m2=0.1", "planner.nodes=20"}, {"planner.frontier_m2=0.01", "planner.headings=4"}});
-  tryit("frontier", "planner.blocked_share", "0.01", "1", {{"planner.frontier_m2=100"}, {"planner.frontier_m2=0.5"}, {"planner.nodes=20", "planner.frontier_m2=100", "planner.headings=8"}, {"planner.nodes=20","planner.frontier_m2=1"}});
-  tryit("frontier", "planner.rrt_star_iterations", "0", "1000", {{}, {"planner.nodes=15"}});
-  tryit("random", "planner.rrt_star_iterations", "0", "1000", {{}});
-  tryit("random", "planner.rrt_star_iterations", "100", "0", {{}});
+  tryit("frontier", "planner.blocked_share", "0", "1",
+        {{"planner.frontier_m2=100"},
+         {"planner.nodes=20", "planner.frontier_m2=0.5", "planner.dropped_after=1"},
+         {"planner.nodes=40", "planner.frontier_m2=100", "planner.headings=8", "planner.rays=1000"},
+         {"planner.nodes=40", "planner.frontier_m2=3", "planner.headings=8", "planner.rays=1000"},
+         {"planner.nodes=20", "planner.frontier_m2=0.01"}});
+  tryit("frontier", "planner.rrt_star_iterations", "0", "1000",
+        {{"planner.frontier_m2=1", "planner.nodes=30"},
+         {"planner.nodes=15", "planner.frontier_m2=0.1"},
+         {"planner.nodes=60", "planner.frontier_m2=2"},
+         {"planner.nodes=60", "planner.frontier_m2=3", "planner.headings=8"}});
   tryit("explore", "planner.rrt_star_iterations", "100", "0", {{}, {"planner.nodes=15"}});
-  tryit("explore", "planner.commit_margin", "10", "0", {{}, {"planner.behind_penalty=0.9","planner.nodes=20"},{"planner.behind_penalty=0.9","planner.nodes=20","planner.headings=8"}, {"planner.time_scale_s=5"}, {"planner.nodes=15","planner.time_scale_s=5"}, {"planner.nodes=20","planner.headings=8", "planner.distrust_m=0"}});
+  tryit("explore", "planner.commit_margin", "10", "0",
+        {{},
+         {"planner.behind_penalty=0.9", "planner.nodes=20"},
+         {"planner.behind_penalty=0.9", "planner.nodes=20", "planner.headings=8"},
+         {"planner.time_scale_s=5"},
+         {"planner.nodes=15", "planner.time_scale_s=5"},
+         {"planner.nodes=20", "planner.headings=8", "planner.distrust_m=0"},
+         {"planner.too_close_cost=true"},
+         {"planner.gain_share=1"},
+         {"planner.blacklist_after=0", "planner.distrust_m=0"}});
 }
 
 TEST_F(ExplainedPlanner, OfTheRouteAct) {

@@ -10,7 +10,7 @@ namespace {
 
 using core::Vec2;
 using core::Vec3;
-using testing::Storeys;
+using tests::Storeys;
 
 /// Wherever the robot stands, the whole ramp is in it.
 constexpr double kWindow_m = 20.0;
