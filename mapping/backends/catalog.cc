@@ -1,9 +1,7 @@
 #include "mapping/backends/catalog.h"
 
 #include "core/catalog.h"
-#include "mapping/backends/dense_grid_map.h"
-#include "mapping/backends/octomap_map.h"
-#include "mapping/backends/se_atlas_map.h"
+#include "mapping/backends/builders.h"
 
 namespace atlas::mapping {
 

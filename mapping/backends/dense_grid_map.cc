@@ -1,4 +1,10 @@
-#include "mapping/backends/dense_grid_map.h"
+// A dense occupancy grid of our own: `mapper.name: dense_grid`.
+//
+// OctoMap's update rule (each voxel once a revolution, hits before misses) on an array over the object's
+// region: many times faster than a tree, at the price of the whole region's memory. Of the rays that end in
+// one voxel the first is traced.
+// @throws InputError without a box to keep.
+#include "mapping/backends/builders.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,10 @@
-#include "mapping/backends/octomap_map.h"
+// The OctoMap library as a mapper backend: `mapper.name: octomap`.
+//
+// OctoMap's own tree, of the setup's box where it has one, updated as the revolutions come, a revolution an
+// update of OctoMap's discretised kind: one ray per end voxel, to that voxel's centre, each from its own
+// sensor position; every voxel changes once, hits before misses. Rays that pass through the box are cut
+// where they leave it. Views read the tree.
+#include "mapping/backends/builders.h"
 
 #include <sstream>
 

@@ -1,4 +1,8 @@
-#include "mapping/backends/se_atlas_map.h"
+// SE-Atlas as a map: `mapper.name: se_atlas`.
+//
+// A multi-resolution occupancy octree, fed revolution by revolution with per-ray poses through the cones of
+// the beam table that the setup's LiDAR tells, ray by ray where it is absent.
+#include "mapping/backends/builders.h"
 
 #include "mapping/backends/octree_view.h"
 #include "mapping/cloud/undistort.h"

@@ -1,3 +1,4 @@
+// `localisation.name: none`. One keyframe: where the odometry began.
 #include "mapping/slam/builders.h"
 #include "mapping/slam/fixed_poses.h"
 

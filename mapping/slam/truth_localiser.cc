@@ -1,3 +1,6 @@
+// `localisation.name: truth`. Each fix of T_map_base begins a keyframe, which holds what is seen until the
+// next. A robot that scans stands: all revolutions of a scanning action belong to the keyframe that it began
+// in.
 #include "mapping/slam/builders.h"
 #include "mapping/slam/fixed_poses.h"
 

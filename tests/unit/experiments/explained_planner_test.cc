@@ -141,7 +141,7 @@ TEST_F(ExplainedPlanner, OfGreedyAct) {
   std::vector<std::string> context = kSmall;
   context.insert(context.begin(), "planner=greedy");
   probe_.SeeNothingElseAct(context);
-  EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 30);
+  EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 28);
 }
 
 TEST_F(ExplainedPlanner, OfTheThesisAct) {
@@ -159,6 +159,7 @@ TEST_F(ExplainedPlanner, OfTheThesisAct) {
 TEST_F(ExplainedPlanner, OfExploreAct) {
   Settings settings = kOfBoth;
   settings["planner.rrt_step_m"] = {{"planner.lattice_m=5", "planner.window_m=3"}, "0.3"};
+  settings["planner.rrt_star_iterations"] = {{"planner.lattice_m=1.2"}, "5000"};
   settings["planner.unvisited_m2"] = {{"planner.unvisited_beyond_m=0.5"}};
   settings["planner.unvisited_beyond_m"] = {{"planner.unvisited_m2=5", "planner.unvisited_beyond_m=0.5"},
                                             "1"};
@@ -181,55 +182,27 @@ TEST_F(ExplainedPlanner, OfTheSimplestAct) {
   Settings settings = {{"planner.name", {{}, "greedy"}},
                        {"planner.window_m", {{}, "5"}},
                        {"planner.max_range_m", {{}, "6"}},
-                       {"planner.rrt_star_iterations", {{}, "1000"}},
-                       {"planner.frontier_m2", {{}, "2"}},
-                       {"planner.dropped_after", {{}, "3"}},
-                       {"planner.blocked_share", {{"planner.nodes=20", "planner.frontier_m2=100"}, "1"}}};
+                       {"planner.rrt_star_iterations", {{}, "1000"}}};
   EXPECT_GT(probe_.SeeThemAct("planner", {"planner=random", "planner.rrt_star_iterations=100"}, settings), 3);
-  std::vector<std::string> context = kSmall;
-  context.insert(context.begin(), "planner=frontier");
-  EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 8);
 }
 
-TEST_F(ExplainedPlanner, Find) {
-  const auto look = [&](std::vector<std::string> c) { return PlannerDecides(missions_.LoadBare(c)); };
-  const auto tryit = [&](const char* planner, const char* key, const char* a, const char* b,
-                         const std::vector<std::vector<std::string>>& contexts) {
-    for (const auto& extra : contexts) {
-      std::vector<std::string> c = kSmall;
-      c.insert(c.begin(), std::string("planner=") + planner);
-      c.insert(c.end(), extra.begin(), extra.end());
-      auto one = c, two = c;
-      one.push_back(std::string(key) + "=" + a);
-      two.push_back(std::string(key) + "=" + b);
-      bool acts = look(one) != look(two);
-      std::string t;
-      for (auto& e : extra) t += e + " ";
-      printf("FIND %s %s %s/%s [%s] %d\n", planner, key, a, b, t.c_str(), acts);
-    }
-  };
-  tryit("frontier", "planner.blocked_share", "0", "1",
-        {{"planner.frontier_m2=100"},
-         {"planner.nodes=20", "planner.frontier_m2=0.5", "planner.dropped_after=1"},
-         {"planner.nodes=40", "planner.frontier_m2=100", "planner.headings=8", "planner.rays=1000"},
-         {"planner.nodes=40", "planner.frontier_m2=3", "planner.headings=8", "planner.rays=1000"},
-         {"planner.nodes=20", "planner.frontier_m2=0.01"}});
-  tryit("frontier", "planner.rrt_star_iterations", "0", "1000",
-        {{"planner.frontier_m2=1", "planner.nodes=30"},
-         {"planner.nodes=15", "planner.frontier_m2=0.1"},
-         {"planner.nodes=60", "planner.frontier_m2=2"},
-         {"planner.nodes=60", "planner.frontier_m2=3", "planner.headings=8"}});
-  tryit("explore", "planner.rrt_star_iterations", "100", "0", {{}, {"planner.nodes=15"}});
-  tryit("explore", "planner.commit_margin", "10", "0",
-        {{},
-         {"planner.behind_penalty=0.9", "planner.nodes=20"},
-         {"planner.behind_penalty=0.9", "planner.nodes=20", "planner.headings=8"},
-         {"planner.time_scale_s=5"},
-         {"planner.nodes=15", "planner.time_scale_s=5"},
-         {"planner.nodes=20", "planner.headings=8", "planner.distrust_m=0"},
-         {"planner.too_close_cost=true"},
-         {"planner.gain_share=1"},
-         {"planner.blacklist_after=0", "planner.distrust_m=0"}});
+/// All but two, which act under the other planners: the nearest view of this world lies straight ahead, so
+/// that RRT* has nothing to shorten, and what the gap hides is worth more than any view here, whatever the
+/// share.
+TEST_F(ExplainedPlanner, OfTheNearestFrontierAct) {
+  std::vector<std::string> context = kSmall;
+  context.insert(context.begin(), "planner=frontier");
+  const std::vector<std::string> wide = {"planner.frontier_m2=0.1", "planner.nodes=20"};
+  const Settings settings = {{"planner.window_m", {{}, "5"}},
+                             {"planner.max_range_m", {{}, "6"}},
+                             {"planner.frontier_m2", {{}, "2"}},
+                             {"planner.dropped_after", {wide, "3"}}};
+  for (const char* name : {"window_m", "max_range_m", "frontier_m2", "dropped_after", "lattice_m", "nodes",
+                           "headings", "rays"}) {
+    const std::string path = std::string("planner.") + name;
+    const auto found = settings.find(path);
+    probe_.SeeItAct(path, context, found == settings.end() ? tests::Setting{} : found->second);
+  }
 }
 
 TEST_F(ExplainedPlanner, OfTheRouteAct) {

@@ -77,7 +77,12 @@ TEST_P(EachMap, ViewIsWholeWhicheverThreadAsksFirst) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EachMap, ::testing::Values("octomap", "dense_grid", "se_atlas"));
+INSTANTIATE_TEST_SUITE_P(Catalogue, EachMap, ::testing::ValuesIn([] {
+                           std::vector<std::string> names;
+                           for (const CatalogEntry& entry : Catalog()) names.push_back(entry.name);
+                           return names;
+                         }()),
+                         [](const auto& info) { return info.param; });
 
 TEST_P(EachMap, ASnapshotStaysAsItWasWhileTheMapGoesOn) {
   const tests::PlacedSpins sweep = RoomSweep(4, 0.01);
