@@ -3,7 +3,7 @@
 
 namespace atlas::planner {
 
-/// f(x; a) of Vasquez-Gomez 2014: smooth on [0, 1], f(0) = f(1) = 0, f(a) = 1 (PLANNERS.md, gain 6).
+/// f(x; a) of Vasquez-Gomez 2014: smooth on [0, 1], f(0) = f(1) = 0, f(a) = 1.
 /// @pre 0 < a < 1, 0 <= x <= 1.
 double AreaFactorShape(double x, double a);
 

@@ -1,4 +1,4 @@
-// Information gains: what a view is expected to teach (thesis 3.4.1, PLANNERS.md).
+// Information gains: what a view is expected to teach (thesis 3.4.1).
 #pragma once
 
 #include <memory>

@@ -41,8 +41,7 @@ class OcclusionAwareNormalised final : public RaySumGain {
 }  // namespace
 
 GainEntry OcclusionAwareNormalisedGain() {
-  return {"occlusion_aware_normalised",
-          "occlusion aware per metre; confirmed free counts as certain (DESIGN.md section 6)",
+  return {"occlusion_aware_normalised", "occlusion aware per metre; confirmed free counts as certain",
           GainLaws{.independent_of_voxel_size = true}, GainReads{}, BuildGain<OcclusionAwareNormalised>};
 }
 

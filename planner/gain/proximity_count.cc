@@ -1,5 +1,5 @@
 // Proximity count (Isler 2016): unmeasured voxels close behind observed surfaces, the closer the more. The
-// mapper stores D - delta in them (PLANNERS.md, gain 5); there is no visibility term.
+// mapper stores D - delta in them; there is no visibility term.
 #include "planner/gain/entries.h"
 #include "planner/gain/voxel_math.h"
 

@@ -166,7 +166,10 @@ TEST_F(ExplainedPlanner, OfExploreAct) {
   settings["planner.blacklist_after"] = {{}, "1"};
   settings["planner.blocked_share"] = {
       {"planner.nodes=20", "planner.flat_rounds=2", "planner.flat_share=0.012"}, "1"};
-  settings["planner.commit_margin"] = {{"planner.commit_margin=10", "planner.behind_penalty=0.9"}, "0"};
+  settings["planner.commit_margin"] = {
+      {"planner.commit_margin=10", "planner.behind_penalty=0.9", "planner.too_close_cost=true",
+       "planner.visited_threshold_m=2", "planner.unvisited_m2=0"},
+      "0"};
   settings["planner.flat_rounds"] = {{"planner.flat_share=0.012"}, "2"};
   settings["planner.too_close_cost"] = {{}, "true"};
   settings["planner.too_close_threshold_m"] = {{"planner.too_close_cost=true"}};

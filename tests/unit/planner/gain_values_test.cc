@@ -55,7 +55,7 @@ TEST(GainValues, OcclusionAwareAttenuatesByFreeProbability) {
 }
 
 TEST(GainValues, OcclusionAwarePrefersClampedFreeSpaceAsMeasured) {
-  // 10 m at 5 cm: known free at clamp 0.12 then a hit 3.06 nats, all unknown 1.39 (PLANNERS.md).
+  // 10 m at 5 cm: known free at clamp 0.12 then a hit 3.06 nats, all unknown 1.39.
   std::vector<RaySample> known_free(200, {0.12f, static_cast<float>(kRes), 1, 0.0f});
   known_free.push_back({0.97f, static_cast<float>(kRes), 2, 0.0f});
   const std::vector<RaySample> unknown(200, {0.5f, static_cast<float>(kRes), 1, 0.0f});
