@@ -12,21 +12,27 @@ namespace atlas::mapping {
 template <typename T>
 class CopyOnWrite {
  public:
-  explicit CopyOnWrite(T value) : value_(std::make_shared<T>(std::move(value))) {}
+  explicit CopyOnWrite(T value) : held_(std::make_shared<Held>(std::move(value))) {}
 
-  std::shared_ptr<const T> Share() const { return value_; }
-  const T& Read() const { return *value_; }
+  std::shared_ptr<const T> Share() const {
+    held_->readers.fetch_add(1, std::memory_order_relaxed);
+    return {&held_->value,
+            [held = held_](const T*) { held->readers.fetch_sub(1, std::memory_order_release); }};
+  }
+  const T& Read() const { return held_->value; }
   T& Write() {
-    if (value_.use_count() > 1) {
-      value_ = std::make_shared<T>(value_->Clone());
-    } else {
-      std::atomic_thread_fence(std::memory_order_acquire);  // after the reads of whoever let go last
-    }
-    return *value_;
+    // Acquired, so that the reads of whoever let go last are over.
+    if (held_->readers.load(std::memory_order_acquire) > 0) held_ = std::make_shared<Held>(Read().Clone());
+    return held_->value;
   }
 
  private:
-  std::shared_ptr<T> value_;
+  struct Held {
+    explicit Held(T v) : value(std::move(v)) {}
+    T value;
+    std::atomic<int> readers{0};
+  };
+  std::shared_ptr<Held> held_;
 };
 
 }  // namespace atlas::mapping

@@ -64,6 +64,33 @@ int OctreeView::OneStepLevel(const Chunk& chunk, int block, const TraceLimits& l
   return one_by_one ? -1 : UniformLevel<Field>(chunk, block);
 }
 
+/// A ray on its way through a block, voxel by voxel.
+struct OctreeView::Crossing {
+  const OctreeView& view;
+  uint64_t first_key;  ///< of the block's first voxel
+  const BehindSurface::Block* marks;
+  VoxelRay* ray;
+  RaySamples* met;
+  bool* occupied;
+
+  /// @param value_of  log-odds of a voxel by its index in the block. Returns whether the ray goes on.
+  template <typename ValueOf>
+  bool Through(const ValueOf& value_of) const {
+    return ray->CrossVoxels(occupied, [&](int index, double length_m) {
+      const Value& value = view.ValueAt(value_of(index));
+      const auto i = static_cast<uint64_t>(index);
+      const float mark = marks != nullptr && value.occupancy == 0.5f
+                             ? static_cast<float>((*marks)[static_cast<size_t>(index)])
+                             : 0.0f;
+      return met->Add({.occupancy = value.occupancy,
+                       .length_m = static_cast<float>(length_m),
+                       .key = first_key + ((i & 7) | (i >> 3 & 7) << 21 | (i >> 6) << 42),
+                       .behind_surface = mark,
+                       .state = value.state});
+    });
+  }
+};
+
 RayEnd OctreeView::Trace(const Vec3& origin_map, const Vec3& direction_map, const TraceLimits& limits,
                          std::vector<RaySample>* samples) const {
   RaySamples met(limits, samples);
@@ -102,32 +129,18 @@ RayEnd OctreeView::Trace(const Vec3& origin_map, const Vec3& direction_map, cons
       continue;
     }
 
-    const uint64_t first_key = PackedKey({voxel.x & ~7, voxel.y & ~7, voxel.z & ~7});
-    const auto cross = [&](const auto& value_of) {
-      on = ray.CrossVoxels(&occupied, [&](int index, double length_m) {
-        const Value& value = ValueAt(value_of(index));
-        const auto i = static_cast<uint64_t>(index);
-        const uint64_t key = first_key + ((i & 7) | (i >> 3 & 7) << 21 | (i >> 6) << 42);
-        const float mark = marks != nullptr && value.occupancy == 0.5f
-                               ? static_cast<float>((*marks)[static_cast<size_t>(index)])
-                               : 0.0f;
-        return met.Add({.occupancy = value.occupancy,
-                        .length_m = static_cast<float>(length_m),
-                        .key = key,
-                        .behind_surface = mark,
-                        .state = value.state});
-      });
-    };
+    const Crossing crossing{
+        *this, PackedKey({voxel.x & ~7, voxel.y & ~7, voxel.z & ~7}), marks, &ray, &met, &occupied};
     const BlockKind kind = chunk != nullptr ? chunk->Kind(block) : BlockKind::kUniform;
     if (kind == BlockKind::kFine) {
       const auto& leaf = tree.Fine(*chunk, block);
-      cross([&leaf](int index) { return leaf.log_odds[index]; });
+      on = crossing.Through([&leaf](int index) { return leaf.log_odds[index]; });
     } else if (kind == BlockKind::kCoarse) {
       const auto& leaf = tree.Coarse(*chunk, block);
-      cross([&leaf](int index) { return leaf.log_odds[CellOfVoxel(index)]; });
+      on = crossing.Through([&leaf](int index) { return leaf.log_odds[CellOfVoxel(index)]; });
     } else {
       const int8_t value = chunk != nullptr ? chunk->uniform.Get(block) : Field::Unknown();
-      cross([value](int) { return value; });
+      on = crossing.Through([value](int) { return value; });
     }
   }
   return occupied ? RayEnd::kOccupied : RayEnd::kVoid;

@@ -41,6 +41,7 @@ class OctreeView final : public MapView {
 
  private:
   using Chunk = OccupancyOctree::Chunk;
+  struct Crossing;
   struct Value {
     float occupancy;
     CellState state;

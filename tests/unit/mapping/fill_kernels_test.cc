@@ -1,9 +1,9 @@
 // The vectorised tests of cubes and cells against plain double arithmetic over the same image.
 #include <gtest/gtest.h>
 
-#include "mapping/integrator/surface/hit_scatter.h"
 #include "mapping/integrator/free_space/scan_memory.h"
 #include "mapping/integrator/simd_target.h"
+#include "mapping/integrator/surface/hit_scatter.h"
 #include "tests/support/integrator_scenes.h"
 
 namespace atlas::mapping {
