@@ -1,4 +1,4 @@
-// Every parameter of every planner does something: changed alone, it changes
+// Every parameter of every planner (but for three, named below) does something: changed alone, it changes
 // what the planner decides on its way through a small world, which costs a
 // hundredth of a mission. A mission builds the planner from its section as it
 // is here (ExplainedParameters.EverySectionReachesTheMission).
@@ -181,12 +181,11 @@ TEST_F(ExplainedPlanner, OfExploreAct) {
   EXPECT_GT(probe_.SeeThemAct("planner", context, settings), 25);
 }
 
+/// All but RRT*, which acts under the other planners: places at random are rarely behind something here.
 TEST_F(ExplainedPlanner, OfTheSimplestAct) {
-  Settings settings = {{"planner.name", {{}, "greedy"}},
-                       {"planner.window_m", {{}, "5"}},
-                       {"planner.max_range_m", {{}, "6"}},
-                       {"planner.rrt_star_iterations", {{}, "1000"}}};
-  EXPECT_GT(probe_.SeeThemAct("planner", {"planner=random", "planner.rrt_star_iterations=100"}, settings), 3);
+  probe_.SeeItAct("planner.window_m", {"planner=random"}, {{}, "5"});
+  probe_.SeeItAct("planner.lattice_m", {"planner=random"}, {});
+  probe_.SeeItAct("planner.name", {"planner=random"}, {{}, "greedy"});
 }
 
 /// All but two, which act under the other planners: the nearest view of this world lies straight ahead, so
