@@ -28,27 +28,36 @@ struct Columns {
 
 using Triangle = std::array<Vec3, 3>;
 
+Box3 ExtentOf(const std::vector<Vec3>& points) {
+  Box3 extent;
+  for (const Vec3& p : points) extent.Extend(p);
+  return extent;
+}
+
+/// Cell `index` of the grid along `axis`, as far as the box reaches along the others.
+Box3 Slice(Box3 box, int axis, int index, const ReachableSet& grid) {
+  box.min[axis] = grid.origin[axis] + index * grid.cell_m;
+  box.max[axis] = box.min[axis] + grid.cell_m;
+  return box;
+}
+
 /// Calls visit(row, col, lo, hi) for each column that the triangle crosses inside the region.
 template <typename Visit>
 void CutToColumns(const Triangle& triangle, const ReachableSet& grid, const Box3& region,
                   const Visit& visit) {
   const std::vector<Vec3> inside = ClipTriangle(triangle, region);
   if (inside.empty()) return;
-  Box3 extent;
-  for (const Vec3& p : inside) extent.Extend(p);
+  const Box3 extent = ExtentOf(inside);
   const auto cell = [&](double v, double origin, int count) {
     return std::clamp(static_cast<int>(std::floor((v - origin) / grid.cell_m)), 0, count - 1);
   };
   const int row_lo = cell(extent.min.y(), grid.origin.y(), grid.rows),
             row_hi = cell(extent.max.y(), grid.origin.y(), grid.rows);
   for (int row = row_lo; row <= row_hi; ++row) {
-    Box3 strip = region;
-    strip.min.y() = grid.origin.y() + row * grid.cell_m;
-    strip.max.y() = strip.min.y() + grid.cell_m;
+    const Box3 strip = Slice(region, 1, row, grid);
     const std::vector<Vec3> in_row = ClipTriangle(triangle, strip);
     if (in_row.empty()) continue;
-    Box3 row_extent;
-    for (const Vec3& p : in_row) row_extent.Extend(p);
+    const Box3 row_extent = ExtentOf(in_row);
     const bool flat = row_extent.Size().z() < 1e-6;
     const int col_lo = cell(row_extent.min.x(), grid.origin.x(), grid.cols),
               col_hi = cell(row_extent.max.x(), grid.origin.x(), grid.cols);
@@ -57,13 +66,9 @@ void CutToColumns(const Triangle& triangle, const ReachableSet& grid, const Box3
         visit(row, col, row_extent.min.z(), row_extent.max.z());
         continue;
       }
-      Box3 column = strip;
-      column.min.x() = grid.origin.x() + col * grid.cell_m;
-      column.max.x() = column.min.x() + grid.cell_m;
-      const std::vector<Vec3> piece = ClipTriangle(triangle, column);
+      const std::vector<Vec3> piece = ClipTriangle(triangle, Slice(strip, 0, col, grid));
       if (piece.empty()) continue;
-      Box3 bounds;
-      for (const Vec3& p : piece) bounds.Extend(p);
+      const Box3 bounds = ExtentOf(piece);
       visit(row, col, bounds.min.z(), bounds.max.z());
     }
   }

@@ -13,11 +13,7 @@ namespace {
 using core::Pose;
 using core::Vec3;
 using core::Vec3f;
-using tests::kSweptBox;
-using tests::kSweptRegion;
-using tests::MapOf;
-using tests::OctomapParams;
-using tests::RoomSweep;
+using namespace tests;
 
 TEST(ScanCloud, IsUndistortedOnTheTrueWalls) {
   const tests::PlacedSpins sweep = RoomSweep(5, 0.0);

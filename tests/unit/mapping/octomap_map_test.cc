@@ -9,14 +9,9 @@
 namespace atlas::mapping {
 namespace {
 
-using core::Pose;
 using core::Vec3;
 using core::Vec3f;
-using tests::kSweptBox;
-using tests::kSweptRegion;
-using tests::MapOf;
-using tests::OctomapParams;
-using tests::RoomSweep;
+using namespace tests;
 
 octomap::point3d PointOf(const Vec3f& p) {
   return {p.x(), p.y(), p.z()};

@@ -8,12 +8,9 @@
 namespace atlas::mapping {
 namespace {
 
-using core::PoseFromXyzYaw;
-using core::Radians;
 using core::Vec2;
 using core::Vec3;
 using tests::PatchWorld;
-using tests::TerrainSensors;
 
 constexpr double kCell = 0.04;
 

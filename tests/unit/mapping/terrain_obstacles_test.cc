@@ -8,12 +8,9 @@
 namespace atlas::mapping {
 namespace {
 
-using core::PoseFromXyzYaw;
 using core::Radians;
-using core::Vec2;
 using core::Vec3;
 using tests::PatchWorld;
-using tests::TerrainSensors;
 
 std::unique_ptr<ElevationMap> MapOf(const PatchWorld& world, const std::vector<Vec3>& stands) {
   return MapAfterSweeps(world, stands, {.seed = 11});

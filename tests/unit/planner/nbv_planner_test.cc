@@ -10,20 +10,10 @@
 namespace atlas::planner {
 namespace {
 
-using core::Box3;
 using core::Pose;
 using core::Vec2;
 using core::Vec3;
-using tests::Begun;
-using tests::GroundAboutObject;
-using tests::kSideMappedBox;
-using tests::kStandAtObject;
-using tests::NearSideMapped;
-using tests::PlannerSettings;
-using tests::PlannerStand;
-using tests::PlanResult;
-using tests::SmallPlanner;
-using tests::StandAtObject;
+using namespace tests;
 
 class EachPlanner : public ::testing::TestWithParam<std::string> {};
 
