@@ -53,19 +53,15 @@ class Frontier final : public Planner {
     CandidateTree tree = LatticeCandidates(walkable, params_.lattice_m);
     roadmap_.Learn(tree, belief.poses);
     roadmap_.Extend(&tree);
-    parts_.Places(belief, walkable, tree, log);
+    const Ways ways{walkable, tree};
+    parts_.Places(belief, ways, log);
     if (tree.nodes.empty()) return parts_.WithoutPlaces(belief, log);
-    parts_.ValueViews(
-        belief, walkable, tree,
-        [](DecisionLog* views) {
-          for (Candidate& c : views->candidates) c.worth = c.gain;
-        },
-        log);
+    parts_.ValueViews(belief, ways, WorthIsGain, log);
     promised_ = promised_ || parts_.greatest_value > 0.0;
     int view = Nearest(log);
     if (view < 0 && !promised_) view = parts_.NearerToObject(*log);
     if (view < 0) return parts_.End(Done::Reason::kGainExhausted, belief, log);
-    return parts_.GoTo(view, belief, {walkable, tree}, rng, log);
+    return parts_.GoTo(view, belief, ways, rng, log);
   }
 
  private:

@@ -27,11 +27,10 @@ Walkable NbvParts::Begin(const Belief& belief) {
   return {belief.ground, belief.p_map(), window_m};
 }
 
-void NbvParts::Places(const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                      DecisionLog* log) {
-  log->nodes_obtained = static_cast<int>(tree.nodes.size());
-  log->attempts = tree.attempts;
-  blocked.Learn(belief, walkable, tree, log);
+void NbvParts::Places(const Belief& belief, const Ways& ways, DecisionLog* log) {
+  log->nodes_obtained = static_cast<int>(ways.tree.nodes.size());
+  log->attempts = ways.tree.attempts;
+  blocked.Learn(belief, ways, log);
 }
 
 Decision NbvParts::WithoutPlaces(const Belief& belief, DecisionLog* log) {
@@ -41,9 +40,8 @@ Decision NbvParts::WithoutPlaces(const Belief& belief, DecisionLog* log) {
   return Stuck{Stuck::Reason::kNoCandidates};
 }
 
-void NbvParts::PredictViews(const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                            DecisionLog* log) {
-  views.Predict(belief.map, walkable, tree, log);
+void NbvParts::PredictViews(const Belief& belief, const Ways& ways, DecisionLog* log) {
+  views.Predict(belief.map, ways, log);
   for (const Candidate& c : log->candidates) greatest_value = std::max(greatest_value, views.ValueOf(c));
 }
 
@@ -59,6 +57,10 @@ Decision NbvParts::End(Done::Reason reason, const Belief& belief, DecisionLog* l
   const bool is_space = std::holds_alternative<WholeSpace>(goal);
   if (is_space && reason == Done::Reason::kGainExhausted) return Done{Done::Reason::kExplored};
   return Done{reason};
+}
+
+void WorthIsGain(DecisionLog* log) {
+  for (Candidate& c : log->candidates) c.worth = c.gain;
 }
 
 Decision NbvParts::GoTo(int view, const Belief& belief, const Ways& ways, const core::Rng& rng,

@@ -18,6 +18,9 @@ struct NbvParams {
   void Visit(core::ParamVisitor& v);
 };
 
+/// A view is worth its gain (Eq. 3.1).
+void WorthIsGain(DecisionLog* log);
+
 struct NbvParts {
   /// @throws InputError for an unknown gain.
   NbvParts(const NbvParams& params, const GainRoles& gains, const PlannerSetup& setup);
@@ -25,16 +28,15 @@ struct NbvParts {
   /// Begins a plan: everything remembered moves to where it lies now.
   Walkable Begin(const Belief& belief);
   /// Notes the places that a plan may choose from, and what lies behind ways too narrow.
-  void Places(const Belief& belief, const Walkable& walkable, const CandidateTree& tree, DecisionLog* log);
+  void Places(const Belief& belief, const Ways& ways, DecisionLog* log);
   /// Where there is no place to choose from: back, a turn, a step aside; in the end the mission ends.
   Decision WithoutPlaces(const Belief& belief, DecisionLog* log);
   /// Predicts the views of a plan's places and what they cost; `value` sets what Eq. 3.1 takes for g_x.
   template <typename Value>
-  void ValueViews(const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                  const Value& value, DecisionLog* log) {
-    PredictViews(belief, walkable, tree, log);
+  void ValueViews(const Belief& belief, const Ways& ways, const Value& value, DecisionLog* log) {
+    PredictViews(belief, ways, log);
     value(log);
-    costs.Charge(belief, walkable, tree, memory.visited(), log);
+    costs.Charge(belief, ways, memory.visited(), log);
   }
   /// Of an object that is too far away for any plan so far to predict views of it, a view nearer to it; else
   /// -1.
@@ -55,8 +57,7 @@ struct NbvParts {
   double greatest_value = 0.0;  ///< of a view, before anything modulates it; over all plans
 
  private:
-  void PredictViews(const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                    DecisionLog* log);
+  void PredictViews(const Belief& belief, const Ways& ways, DecisionLog* log);
 };
 
 }  // namespace atlas::planner

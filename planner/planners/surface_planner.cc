@@ -47,11 +47,12 @@ Decision SurfacePlanner::Plan(const Belief& belief, DecisionLog* log) {
   const core::Rng rng = rng_.Split("plan" + std::to_string(plans_++));
   const Walkable walkable = parts_.Begin(belief);
   const CandidateTree tree = PickPlaces(belief, walkable, rng);
-  parts_.Places(belief, walkable, tree, log);
+  const Ways ways{walkable, tree};
+  parts_.Places(belief, ways, log);
   if (tree.nodes.empty()) return parts_.WithoutPlaces(belief, log);
 
   parts_.ValueViews(
-      belief, walkable, tree, [this](DecisionLog* views) { ModulateBySurface(views); }, log);
+      belief, ways, [this](DecisionLog* views) { ModulateBySurface(views); }, log);
   const std::vector<int> ranked = RankViews(log);
   const double best = ranked.empty() ? 0.0 : log->candidates[static_cast<size_t>(ranked[0])].utility;
   termination_.Observe(best, parts_.memory.latest_surface_share());
@@ -62,7 +63,7 @@ Decision SurfacePlanner::Plan(const Belief& belief, DecisionLog* log) {
     if (const auto reason = WhyDone(best)) return parts_.End(*reason, belief, log);
     view = best > 0.0 ? ranked[0] : FarthestFromScans(log->candidates, parts_.memory.visited());
   }
-  return parts_.GoTo(view, belief, {walkable, tree}, rng, log);
+  return parts_.GoTo(view, belief, ways, rng, log);
 }
 
 CandidateTree SurfacePlanner::PickPlaces(const Belief& belief, const Walkable& walkable,

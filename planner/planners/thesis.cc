@@ -45,13 +45,11 @@ Decision Thesis::Plan(const Belief& belief, DecisionLog* log) {
   const Walkable walkable = parts_.Begin(belief);
   const CandidateTree tree =
       RrtCandidates(walkable, params_.nbv.views.nodes, params_.rrt_step_m, rng.Split("rrt"));
-  parts_.Places(belief, walkable, tree, log);
+  const Ways ways{walkable, tree};
+  parts_.Places(belief, ways, log);
   if (tree.nodes.empty()) return parts_.WithoutPlaces(belief, log);
 
-  const auto gain_alone = [](DecisionLog* views) {
-    for (Candidate& c : views->candidates) c.worth = c.gain;
-  };
-  parts_.ValueViews(belief, walkable, tree, gain_alone, log);
+  parts_.ValueViews(belief, ways, WorthIsGain, log);
   int best = BestView(log);
   const double utility = best < 0 ? 0.0 : log->candidates[static_cast<size_t>(best)].utility;
   greatest_utility_ = std::max(greatest_utility_, utility);
@@ -61,7 +59,7 @@ Decision Thesis::Plan(const Belief& belief, DecisionLog* log) {
   if (!nearer && BelowThreshold(utility, params_.stop_utility)) {
     return parts_.End(Done::Reason::kGainExhausted, belief, log);
   }
-  return parts_.GoTo(best, belief, {walkable, tree}, rng, log);
+  return parts_.GoTo(best, belief, ways, rng, log);
 }
 
 }  // namespace

@@ -17,9 +17,8 @@ BlockedViews::BlockedViews(const BlockedParams& params, const PlannerSetup& setu
     : params_(params),
       footprint_{setup.robot.half_width_m, setup.robot.turning_radius_m, setup.terrain.edge_clearance_m} {}
 
-void BlockedViews::Learn(const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                         DecisionLog* log) {
-  ways_.Learn(walkable, tree, FindBlockedWays(walkable, tree, footprint_), belief.poses);
+void BlockedViews::Learn(const Belief& belief, const Ways& ways, DecisionLog* log) {
+  ways_.Learn(ways.walkable, ways.tree, FindBlockedWays(ways.walkable, ways.tree, footprint_), belief.poses);
   log->blocked = ways_.ways();
 }
 

@@ -22,7 +22,7 @@ class BlockedViews {
   BlockedViews(const BlockedParams& params, const PlannerSetup& setup);
 
   /// Finds the blocked ways about the robot, and lists all that are known in the log.
-  void Learn(const Belief& belief, const Walkable& walkable, const CandidateTree& tree, DecisionLog* log);
+  void Learn(const Belief& belief, const Ways& ways, DecisionLog* log);
   /// Whether a view beyond one of them, predicted as if the robot stood there, promises what would be worth
   /// going for. `greatest_value`: of any view of any plan so far (ViewPredictor::ValueOf).
   bool PromiseMore(const Belief& belief, const ViewPredictor& views, double greatest_value, DecisionLog* log);

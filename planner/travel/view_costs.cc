@@ -32,10 +32,10 @@ ViewCosts::ViewCosts(const CostParams& params, const PlannerSetup& setup, double
   traversal_.roughness_scale_m = setup.terrain.critical_roughness_m;
 }
 
-void ViewCosts::Charge(const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-                       const std::vector<Vec2>& scanned, DecisionLog* log) const {
+void ViewCosts::Charge(const Belief& belief, const Ways& ways, const std::vector<Vec2>& scanned,
+                       DecisionLog* log) const {
   const double yaw = core::YawOf(belief.T_map_base.linear());
-  const double ground_m = walkable.ground().SurfaceAt(walkable.start()).height_m;
+  const double ground_m = ways.walkable.ground().SurfaceAt(ways.walkable.start()).height_m;
   const ObjectDistance object(belief.map, kept_map_, ground_m);
   for (Candidate& c : log->candidates) {
     if (params_.visited_cost) {
@@ -50,8 +50,8 @@ void ViewCosts::Charge(const Belief& belief, const Walkable& walkable, const Can
     const double penalty = IsBehind(c.p_map, belief.T_map_base) ? params_.behind_penalty : 0.0;
     double way = 0.0;  // the thesis's classes: what the tree reaches is safe
     if (params_.traversal == "continuous") {
-      const std::vector<Vec3> path = tree.PathTo(c.node, walkable.start());
-      way = ContinuousTraversalCost(traversal_, WalkTime(traversal_, walkable, path, yaw, c.yaw_rad));
+      const std::vector<Vec3> path = ways.tree.PathTo(c.node, ways.walkable.start());
+      way = ContinuousTraversalCost(traversal_, WalkTime(traversal_, ways.walkable, path, yaw, c.yaw_rad));
     }
     c.traversal_cost = CombineCosts(way, penalty);
     c.utility = Utility(c.worth, c.position_cost, c.traversal_cost);

@@ -32,8 +32,8 @@ class ViewCosts {
 
   /// Fills costs and utility of the log's candidates, whose worth is set. `scanned` are the places of all
   /// scans so far.
-  void Charge(const Belief& belief, const Walkable& walkable, const CandidateTree& tree,
-              const std::vector<core::Vec2>& scanned, DecisionLog* log) const;
+  void Charge(const Belief& belief, const Ways& ways, const std::vector<core::Vec2>& scanned,
+              DecisionLog* log) const;
 
  private:
   CostParams params_;

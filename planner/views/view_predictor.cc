@@ -93,12 +93,11 @@ Candidate ViewPredictor::CandidateOf(const ViewGain& view) const {
   return c;
 }
 
-void ViewPredictor::Predict(const mapping::MapView& map, const Walkable& walkable, const CandidateTree& tree,
-                            DecisionLog* log) const {
-  const std::vector<int> places = SpreadOut(tree.nodes, walkable.start().head<2>(), params_.nodes);
+void ViewPredictor::Predict(const mapping::MapView& map, const Ways& ways, DecisionLog* log) const {
+  const std::vector<int> places = SpreadOut(ways.tree.nodes, ways.walkable.start().head<2>(), params_.nodes);
   std::vector<ViewNode> nodes;
   for (const int place : places) {
-    const CandidateNode& node = tree.nodes[static_cast<size_t>(place)];
+    const CandidateNode& node = ways.tree.nodes[static_cast<size_t>(place)];
     nodes.push_back({Vec3(node.p_map.x(), node.p_map.y(), node.ground_m), HeadingsAt(node.p_map)});
   }
   size_t rays = 0;
@@ -111,7 +110,7 @@ void ViewPredictor::Predict(const mapping::MapView& map, const Walkable& walkabl
       c.ground_m = nodes[i].ground_map.z();
       c.yaw_rad = nodes[i].yaw_rad[h];
       c.node = places[i];
-      c.path_length_m = tree.nodes[static_cast<size_t>(places[i])].path_length_m;
+      c.path_length_m = ways.tree.nodes[static_cast<size_t>(places[i])].path_length_m;
       log->candidates.push_back(std::move(c));
     }
   }

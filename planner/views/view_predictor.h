@@ -41,8 +41,7 @@ class ViewPredictor {
   ViewPredictor(const ViewParams& params, const GainRoles& gains, const PlannerSetup& setup);
 
   /// Fills the log's candidates: each heading of places of the tree that are spread out.
-  void Predict(const mapping::MapView& map, const Walkable& walkable, const CandidateTree& tree,
-               DecisionLog* log) const;
+  void Predict(const mapping::MapView& map, const Ways& ways, DecisionLog* log) const;
   /// The most that a view from each of these ground points is worth, as ValueOf has it; adds to the log's
   /// rays.
   std::vector<double> BestFrom(const mapping::MapView& map, const std::vector<core::Vec3>& places_map,
