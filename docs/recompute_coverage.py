@@ -33,9 +33,10 @@ for step in np.ndindex(3, 3, 3):  # the cells about each truth point's own
         outer[k] |= near & (front | (truth['two_sided'][k] == 1))
         i[k] += 1
         k = k[(i[k] < end[k]) & ~outer[k]]
-can = truth['attainable'] == 1
-found = dict(coverage=covered.mean(), coverage_outer=outer.mean(), coverage_attainable=can.mean(),
-             coverage_of_attainable=(outer & can).sum() / can.sum())
+found = dict(coverage=covered.mean(), coverage_outer=outer.mean())
+if 'attainable' in truth.dtype.names:  # not with mission.attainable=false
+    can = truth['attainable'] == 1
+    found.update(coverage_attainable=can.mean(), coverage_of_attainable=(outer & can).sum() / can.sum())
 summary = json.load(open(run + '/summary.json'))
 for name, value in found.items():
     print(f'{name:24s} {100 * value:8.4f} %  summary.json {100 * summary[name]:8.4f} %')

@@ -41,6 +41,8 @@ void MissionParams::Visit(core::ParamVisitor& v) {
            .doc = "a true point is covered by a measured one this near (Eq. 3.9)"});
   v.Field("truth_spacing_m", &truth_spacing_m,
           {.unit = "m", .min = 0.005, .max = 0.1, .doc = "spacing of the ground-truth cloud"});
+  v.Field("attainable", &attainable,
+          {.doc = "find out what could be covered at best (once a scene; off for wide places)"});
   v.Field("map_while_walking", &map_while_walking,
           {.doc = "the map also takes the revolutions of the walk between views (thesis: sweeps only)"});
   v.Field("flat_coverage", &flat_coverage,

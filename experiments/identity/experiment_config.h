@@ -27,6 +27,7 @@ struct MissionParams {
   double integration_latency_s = 0.5;  ///< likewise for a sweep's integration
   double coverage_radius_m = 0.043;    ///< Eq. 3.9: half the diagonal of a 5 cm voxel
   double truth_spacing_m = 0.01;
+  bool attainable = true;  ///< also what could be had at best; hours and gigabytes where places are wide
   bool map_while_walking = true;  ///< the map also takes the spins of the walk; off for the thesis's planner
   double flat_coverage = 0.015;   ///< flat_by_truth: the last `flat_scans` scans added less each
   int flat_scans = 3;

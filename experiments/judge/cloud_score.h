@@ -11,7 +11,8 @@
 namespace atlas::experiments {
 
 struct CloudScore {
-  double coverage = 0.0, coverage_raw = 0.0, coverage_outer = 0.0, of_attainable = 0.0;
+  double coverage = 0.0, coverage_raw = 0.0, coverage_outer = 0.0;
+  std::optional<double> of_attainable = {};     ///< where that was asked for
   std::vector<uint8_t> covered, covered_outer;  ///< a truth point each
   CloudError error;
   size_t returns = 0;  ///< of the accumulated cloud that this score counts

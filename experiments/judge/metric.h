@@ -34,7 +34,7 @@ struct JudgedScan {
 struct JudgedRun {
   int scans = 0;
   double sim_time_s = 0.0, distance_m = 0.0, wall_time_s = 0.0;
-  double attainable = 0.0;              ///< share of the truth that a perfect run covers from its outer side
+  std::optional<double> attainable;     ///< share of the truth that a perfect run covers from its outer side
   std::optional<double> attainable_m3;  ///< of scenes to explore
   sim::SafetyCounts safety;
   CloudScore score;

@@ -47,20 +47,28 @@ RunSummary SummaryOf(const ExperimentConfig& config) {
   return s;
 }
 
-/// What was to be had of each part, and what was had: coverage_by_part.csv.
+/// What was to be had of each part, where that is known, and what was had: coverage_by_part.csv.
 std::string PartsCsv(const scenes::GroundTruth& truth, const std::vector<uint8_t>& attainable,
                      const std::vector<uint8_t>& covered, const std::vector<uint8_t>& outer) {
-  std::vector<uint8_t> attained(outer.size());
-  std::transform(outer.begin(), outer.end(), attainable.begin(), attained.begin(), std::bit_and<uint8_t>());
-  const std::vector<PartCoverage> reach = CoverageByPart(truth, attainable),
-                                  got = CoverageByPart(truth, covered), front = CoverageByPart(truth, outer),
-                                  both = CoverageByPart(truth, attained);
+  std::vector<uint8_t> attained(attainable.size());
+  std::transform(attainable.begin(), attainable.end(), outer.begin(), attained.begin(),
+                 std::bit_and<uint8_t>());
+  const std::vector<PartCoverage> got = CoverageByPart(truth, covered), front = CoverageByPart(truth, outer);
+  std::vector<PartCoverage> reach, both;
+  if (!attainable.empty()) {
+    reach = CoverageByPart(truth, attainable);
+    both = CoverageByPart(truth, attained);
+  }
   std::string csv = "part,area_m2,attainable,coverage,coverage_outer,coverage_of_attainable\n";
-  for (size_t k = 0; k < reach.size(); ++k) {
-    const PartCoverage of_attainable{.name = "", .points = reach[k].covered, .covered = both[k].covered};
-    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", core::CsvCell(truth.part_names[k]),
-                       truth.part_area_m2[k], reach[k].share(), got[k].share(), front[k].share(),
-                       of_attainable.share());
+  for (size_t k = 0; k < got.size(); ++k) {
+    std::string reachable, share;
+    if (!reach.empty()) {
+      const PartCoverage of_attainable{.name = "", .points = reach[k].covered, .covered = both[k].covered};
+      reachable = fmt::format("{:.4f}", reach[k].share());
+      share = fmt::format("{:.4f}", of_attainable.share());
+    }
+    csv += fmt::format("{},{:.4f},{},{:.4f},{:.4f},{}\n", core::CsvCell(truth.part_names[k]),
+                       truth.part_area_m2[k], reachable, got[k].share(), front[k].share(), share);
   }
   return csv;
 }
@@ -84,16 +92,20 @@ MissionMetrics::MissionMetrics(const ExperimentConfig& config, const RunOptions&
   }
   meter_ = std::make_unique<CoverageMeter>(
       truth_, CoverageMeter::Options{.radius_m = config.mission.coverage_radius_m});
-  attainable_ = AttainableFor(config, options, scene, robot, truth_);
   score_.covered.assign(truth_.points.size(), 0);
   score_.covered_outer = score_.covered;
-  volume_ = ExploredVolumeFor(config, options, scene, robot);
-  const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
-  attainable_share_ = attained / static_cast<double>(truth_.points.size());
+  if (config.mission.attainable) FindAttainable(robot);
   const MetricSetup setup{config.mission.flat_coverage, config.mission.flat_scans};
   for (const MetricEntry& entry : MetricCatalog()) metrics_.push_back(entry.build(setup));
   Summarise(0.0, 0.0, 0.0);
   WriteScoredTruth(options.folder / "ground_truth.ply", truth_, attainable_);
+}
+
+void MissionMetrics::FindAttainable(const robots::RobotSpec& robot) {
+  attainable_ = AttainableFor(config_, options_, scene_, robot, truth_);
+  volume_ = ExploredVolumeFor(config_, options_, scene_, robot);
+  const auto attained = static_cast<double>(std::count(attainable_.begin(), attainable_.end(), uint8_t{1}));
+  attainable_share_ = attained / static_cast<double>(truth_.points.size());
 }
 
 void MissionMetrics::Attach(sim::Simulator* simulator) {
@@ -149,7 +161,7 @@ void MissionMetrics::ScoreClouds(const mapping::Map& map) {
   scored_.covered = meter_->covered();
   scored_.covered_outer = meter_->covered_outer();
   scored_.coverage_outer = meter_->coverage_outer();
-  scored_.of_attainable = ShareOf(meter_->covered_outer(), attainable_);
+  if (attainable_share_) scored_.of_attainable = ShareOf(meter_->covered_outer(), attainable_);
   scored_.error = meter_->MeasureCloudError(scene_.object_box);
   scored_.returns = meter_->kept().points.size();
   scored_.T_truth_cloud = meter_->T_truth_cloud_counted();
@@ -239,11 +251,13 @@ void MissionMetrics::Note(const std::string& line) {
 
 void MissionMetrics::Report(const std::string& stage, bool final) {
   const double time_s = simulator_->time_s();
-  const std::string line = fmt::format(
-      "scan {:2d}  {:02d}:{:02d}  {:6.2f} m  coverage {:5.1f} %  of attainable {:5.1f} %  {:.1f} "
-      "x real time  {}",
-      scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
-      100.0 * score_.coverage, 100.0 * score_.of_attainable, time_s / std::max(1e-3, wall_.seconds()), stage);
+  const std::string of_attainable =
+      attainable_share_ ? fmt::format("  of attainable {:5.1f} %", 100.0 * score_.of_attainable.value_or(0.0))
+                        : "";
+  const std::string line =
+      fmt::format("scan {:2d}  {:02d}:{:02d}  {:6.2f} m  coverage {:5.1f} %{}  {:.1f} x real time  {}",
+                  scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
+                  100.0 * score_.coverage, of_attainable, time_s / std::max(1e-3, wall_.seconds()), stage);
   final ? Note(line) : options_.progress(line, false);
 }
 

@@ -22,7 +22,8 @@ namespace atlas::experiments {
 
 class MissionMetrics {
  public:
-  /// Samples the ground truth, finds what is attainable of it (cached between runs) and opens the run folder.
+  /// Samples the ground truth, finds what is attainable of it (cached between runs; where that is asked for)
+  /// and opens the run folder.
   /// @throws InputError when the folder cannot be written.
   MissionMetrics(const ExperimentConfig& config, const RunOptions& options, const scenes::SceneSpec& scene,
                  const robots::RobotSpec& robot);
@@ -58,6 +59,7 @@ class MissionMetrics {
  private:
   /// A line that stays, on the terminal and in log.txt.
   void Note(const std::string& line);
+  void FindAttainable(const robots::RobotSpec& robot);
   /// Samples what stands around the object, once: the cloud's error leaves it out.
   void SampleSurroundings();
   /// All numbers as of now.
@@ -69,7 +71,7 @@ class MissionMetrics {
   const scenes::SceneSpec& scene_;
   core::Stopwatch wall_;
   scenes::GroundTruth truth_;
-  std::vector<uint8_t> attainable_;
+  std::vector<uint8_t> attainable_;  ///< a truth point each; empty: not asked for
   std::unique_ptr<CoverageMeter> meter_;
   bool has_surroundings_ = false;
   std::unique_ptr<ExploredVolume> volume_;  ///< of scenes to explore
@@ -82,7 +84,7 @@ class MissionMetrics {
   GroundPlan ground_;
   int scans_ = 0;
   double distance_m_ = 0.0;
-  double attainable_share_ = 0.0;
+  std::optional<double> attainable_share_;
   JudgedScan scan_;
   std::vector<planner::BlockedWay> blocked_;  ///< as of the latest plan
 };

@@ -10,7 +10,7 @@
 namespace atlas::experiments {
 namespace {
 
-std::string PlyHeader(size_t vertices, std::initializer_list<const char*> properties) {
+std::string PlyHeader(size_t vertices, const std::vector<const char*>& properties) {
   std::string header = fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", vertices);
   for (const char* property : properties) header += fmt::format("property {}\n", property);
   return header + "end_header\n";
@@ -24,14 +24,17 @@ void Append(std::string* out, const core::Vec3f& v) {
 
 void WriteScoredTruth(const std::filesystem::path& path, const scenes::GroundTruth& truth,
                       const std::vector<uint8_t>& attainable) {
-  assert(attainable.size() == truth.points.size() && truth.normals.size() == truth.points.size());
-  std::string out = PlyHeader(truth.points.size(), {"float x", "float y", "float z", "float nx", "float ny",
-                                                    "float nz", "uchar attainable", "uchar two_sided"});
+  assert(truth.normals.size() == truth.points.size());
+  assert(attainable.empty() || attainable.size() == truth.points.size());
+  std::vector<const char*> properties = {"float x", "float y", "float z", "float nx", "float ny", "float nz"};
+  if (!attainable.empty()) properties.push_back("uchar attainable");
+  properties.push_back("uchar two_sided");
+  std::string out = PlyHeader(truth.points.size(), properties);
   out.reserve(out.size() + 26 * truth.points.size());
   for (size_t i = 0; i < truth.points.size(); ++i) {
     Append(&out, truth.points[i]);
     Append(&out, truth.normals[i]);
-    out.push_back(attainable[i] != 0 ? 1 : 0);
+    if (!attainable.empty()) out.push_back(attainable[i] != 0 ? 1 : 0);
     out.push_back(!truth.two_sided.empty() && truth.two_sided[i] != 0 ? 1 : 0);
   }
   core::WriteFileAtomically(path, out);

@@ -14,7 +14,8 @@ namespace atlas::experiments {
 
 /// Binary PLY of the truth as scored, map frame, a vertex a point in the order of `truth`:
 /// float x y z (m), float nx ny nz (unit, outward), uchar attainable (0 or 1), uchar two_sided (0 or 1).
-/// @pre `attainable` has a flag a point. @throws InputError when the path cannot be written.
+/// `attainable`: a flag a point, or empty where it is not known, and then no property. @throws InputError
+/// when the path cannot be written.
 void WriteScoredTruth(const std::filesystem::path& path, const scenes::GroundTruth& truth,
                       const std::vector<uint8_t>& attainable);
 

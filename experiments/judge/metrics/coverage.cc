@@ -34,7 +34,8 @@ class Coverage final : public Metric {
 
  private:
   struct Round {
-    double sim_time_s, coverage, of_attainable;
+    double sim_time_s, coverage;
+    std::optional<double> of_attainable;
   };
 
   /// Whether the last scans added less than is worth while: what the truth says of an ending that was decided

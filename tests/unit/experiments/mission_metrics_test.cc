@@ -48,10 +48,17 @@ class MissionMetricsTest : public ::testing::Test {
     scene_ = scenes::LoadScene(config_.scene.name);
     truth_ = scenes::SampleGroundTruth(scene_, config_.mission.truth_spacing_m);
     options_.folder = folder_ / "run";
+    Begin();
+  }
+  ~MissionMetricsTest() override { fs::remove_all(folder_); }
+
+  /// A run anew, of the configuration as it is.
+  void Begin() {
+    metrics_.reset();
+    fs::remove_all(options_.folder);
     metrics_.emplace(config_, options_, scene_, robot_);
     metrics_->Attach(&simulator_);
   }
-  ~MissionMetricsTest() override { fs::remove_all(folder_); }
 
   /// One scan that brings returns from these truth points, each seen from before its face; its row of
   /// steps.csv.
@@ -99,6 +106,21 @@ TEST_F(MissionMetricsTest, AllThatIsAttainableIsOneHoweverMuchElseIsCovered) {
   const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
   EXPECT_LT(summary.Number("coverage_attainable").value(), 0.95) << "the top is out of reach";
   EXPECT_GT(summary.Number("coverage_attainable").value(), 0.5);
+}
+
+TEST_F(MissionMetricsTest, WhereNobodyAsksForWhatIsAttainableItsColumnsAreEmptyAndNothingElse) {
+  config_.mission.attainable = false;
+  Begin();
+  const tests::CsvRow row = ScanOf({truth_.points.size() / 2});
+  EXPECT_GT(Number(row, "coverage_outer"), 0.0);
+  EXPECT_EQ(row.at("coverage_of_attainable"), "");
+  const RunSummary summary = Finish(RunStatus::kBudget, StopReason::kScanBudget);
+  EXPECT_GT(summary.Number("coverage").value(), 0.0);
+  for (const char* key : {"coverage_attainable", "coverage_of_attainable", "t50_s"})
+    EXPECT_FALSE(summary.Number(key)) << key;
+  const tests::CsvRow part = tests::ReadCsv(options_.folder / "coverage_by_part.csv").at(0);
+  EXPECT_EQ(part.at("attainable") + part.at("coverage_of_attainable"), "");
+  EXPECT_EQ(core::ReadFile(options_.folder / "ground_truth.ply").find("attainable"), std::string::npos);
 }
 
 TEST_F(MissionMetricsTest, WhatLiesOutOfReachCountsForCoverageAndNotForItsShareOfTheAttainable) {
