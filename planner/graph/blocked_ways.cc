@@ -282,19 +282,24 @@ std::vector<BlockedWay> FindBlockedWays(const Walkable& walkable, const Candidat
   return Search(walkable, tree, footprint).Run();
 }
 
+BlockedWays::Known BlockedWays::Anchored(const BlockedWay& way, const core::PoseSource& poses) {
+  const auto anchored = [&](const core::Vec3& p) { return Place{core::AnchoredPoint::At(p, poses), p}; };
+  Known known{way, anchored({way.p_map.x(), way.p_map.y(), way.beyond_map.front().z()}), {}};
+  for (const core::Vec3& p : way.beyond_map) known.beyond.push_back(anchored(p));
+  return known;
+}
+
 void BlockedWays::Correct(const core::PoseSource& poses) {
   if (poses.version() == version_) return;
   version_ = poses.version();
-  for (size_t i = 0; i < anchors_.size(); ++i) {
-    ways_[i].p_map = anchors_[i].middle.p_map(poses).head<2>();
-    for (size_t k = 0; k < anchors_[i].beyond.size(); ++k) {
-      ways_[i].beyond_map[k] = anchors_[i].beyond[k].p_map(poses);
-    }
+  for (Known& known : known_) {
+    known.middle.p_map = known.middle.anchor.p_map(poses);
+    for (Place& place : known.beyond) place.p_map = place.anchor.p_map(poses);
   }
 }
 
-void BlockedWays::Learn(const Walkable& walkable, const CandidateTree& tree, std::vector<BlockedWay> found,
-                        const core::PoseSource& poses) {
+void BlockedWays::Learn(const Walkable& walkable, const CandidateTree& tree,
+                        const std::vector<BlockedWay>& found, const core::PoseSource& poses) {
   Correct(poses);
   const core::Box3& window = walkable.ground().Window();
   const auto in_window = [&](const core::Vec3& p) {
@@ -307,44 +312,52 @@ void BlockedWays::Learn(const Walkable& walkable, const CandidateTree& tree, std
              std::abs(node.ground_m - p.z()) <= mapping::TraversableGround::kSameLevel_m;
     });
   };
-  for (BlockedWay& way : ways_) {
-    std::erase_if(way.beyond_map, [&](const core::Vec3& p) { return in_window(p) || reached(p); });
+  for (Known& known : known_) {
+    std::erase_if(known.beyond,
+                  [&](const Place& place) { return in_window(place.p_map) || reached(place.p_map); });
   }
-  std::erase_if(ways_, [](const BlockedWay& way) { return way.beyond_map.empty(); });
-  for (BlockedWay& way : found) {
-    const auto known = std::find_if(ways_.begin(), ways_.end(), [&](const BlockedWay& other) {
-      return (other.p_map - way.p_map).norm() < kSamePlace_m;
-    });
-    if (known == ways_.end()) {
-      ways_.push_back(std::move(way));
-    } else {
-      way.beyond_map.insert(way.beyond_map.end(), known->beyond_map.begin(), known->beyond_map.end());
-      *known = std::move(way);
-    }
+  std::erase_if(known_, [](const Known& known) { return known.beyond.empty(); });
+  for (const BlockedWay& way : found) Add(Anchored(way, poses));
+}
+
+void BlockedWays::Add(Known way) {
+  const auto same = std::find_if(known_.begin(), known_.end(), [&](const Known& other) {
+    return (other.middle.p_map - way.middle.p_map).head<2>().norm() < kSamePlace_m;
+  });
+  if (same == known_.end()) {
+    known_.push_back(std::move(way));
+  } else {
+    way.beyond.insert(way.beyond.end(), same->beyond.begin(), same->beyond.end());
+    *same = std::move(way);
   }
-  anchors_.clear();
-  for (const BlockedWay& way : ways_) {
-    const double ground_m = way.beyond_map.front().z();
-    Anchors& anchors = anchors_.emplace_back();
-    anchors.middle = core::AnchoredPoint::At(core::Vec3(way.p_map.x(), way.p_map.y(), ground_m), poses);
-    for (const core::Vec3& p : way.beyond_map) anchors.beyond.push_back(core::AnchoredPoint::At(p, poses));
+}
+
+std::vector<BlockedWay> BlockedWays::ways() const {
+  std::vector<BlockedWay> ways;
+  for (const Known& known : known_) {
+    BlockedWay& way = ways.emplace_back(known.way);
+    way.p_map = known.middle.p_map.head<2>();
+    way.beyond_map.clear();
+    for (const Place& place : known.beyond) way.beyond_map.push_back(place.p_map);
   }
+  return ways;
 }
 
 std::vector<core::Vec3> BlockedWays::PlacesBeyond() const {
   std::vector<core::Vec3> places;
-  for (const BlockedWay& way : ways_)
-    places.insert(places.end(), way.beyond_map.begin(), way.beyond_map.end());
+  for (const Known& known : known_) {
+    for (const Place& place : known.beyond) places.push_back(place.p_map);
+  }
   return places;
 }
 
 void BlockedWays::SetWorth(const std::vector<double>& shares, double least) {
   size_t next = 0;
-  for (BlockedWay& way : ways_) {
+  for (Known& known : known_) {
     double best = 0.0;
-    for (size_t k = 0; k < way.beyond_map.size(); ++k) best = std::max(best, shares[next++]);
-    way.worth_share = best;
-    way.promises = best >= least;
+    for (size_t k = 0; k < known.beyond.size(); ++k) best = std::max(best, shares[next++]);
+    known.way.worth_share = best;
+    known.way.promises = best >= least;
   }
 }
 

@@ -30,9 +30,9 @@ class BlockedWays {
  public:
   /// Takes what a plan found in place of what was known in its window, and forgets ways whose far side `tree`
   /// reaches.
-  void Learn(const Walkable& walkable, const CandidateTree& tree, std::vector<BlockedWay> found,
+  void Learn(const Walkable& walkable, const CandidateTree& tree, const std::vector<BlockedWay>& found,
              const core::PoseSource& poses);
-  const std::vector<BlockedWay>& ways() const { return ways_; }
+  std::vector<BlockedWay> ways() const;
 
   /// The ground points beyond all ways.
   std::vector<core::Vec3> PlacesBeyond() const;
@@ -41,15 +41,22 @@ class BlockedWays {
   void SetWorth(const std::vector<double>& shares, double least);
 
  private:
-  /// Where a way's points are, in the order of its fields.
-  struct Anchors {
-    core::AnchoredPoint middle;
-    std::vector<core::AnchoredPoint> beyond;
+  /// A point, anchored to the keyframe that was the youngest when it was found, and where that puts it now.
+  struct Place {
+    core::AnchoredPoint anchor;
+    core::Vec3 p_map = core::Vec3::Zero();
   };
+  struct Known {
+    BlockedWay way;  ///< but for its points
+    Place middle;
+    std::vector<Place> beyond;
+  };
+  static Known Anchored(const BlockedWay& way, const core::PoseSource& poses);
   void Correct(const core::PoseSource& poses);
+  /// Takes the place of a way that is known, and keeps that one's points.
+  void Add(Known way);
 
-  std::vector<BlockedWay> ways_;
-  std::vector<Anchors> anchors_;  ///< of ways_, since the latest Learn
+  std::vector<Known> known_;
   uint64_t version_ = 0;
 };
 

@@ -106,5 +106,86 @@ TEST(BlockedWays, AreKeptBeyondTheWindowAndForgottenWhereTheFarSideIsReached) {
   EXPECT_TRUE(ways.ways().empty()) << "another way led there";
 }
 
+/// A way at (2, 0), the ground beyond it at (3, 0) on a floor of this height.
+BlockedWay WayAtTwo(double floor_m = 0.0) {
+  BlockedWay way;
+  way.p_map = Vec2(2.0, 0.0);
+  way.width_m = 0.5;
+  way.needed_m = 0.66;
+  way.beyond_map = {core::Vec3(3.0, 0.0, floor_m)};
+  return way;
+}
+
+/// Plans 30 m away, whose window does not hold the way: with these keyframes.
+void PlanFarAway(BlockedWays* ways, const tests::MovedKeyframes& keyframes, const CandidateTree& tree = {}) {
+  const Vec2 elsewhere(30.0, 0.0);
+  const tests::FlatGround ground(4.0, elsewhere);
+  ways->Learn(Walkable(ground, elsewhere), tree, {}, keyframes);
+}
+
+TEST(BlockedWays, MoveWithTheKeyframesThatTheyWereFoundFromAndWithNoOther) {
+  const core::Pose first = core::Pose::Identity(), second = core::PoseFromXyzYaw({30.0, 0.0, 0.0}, 0.0);
+  const tests::FlatGround ground(8.0);
+  BlockedWays ways;
+  ways.Learn(Walkable(ground, Vec2(0.0, 0.0)), {}, {WayAtTwo()}, tests::MovedKeyframes({first}));
+  PlanFarAway(&ways, tests::MovedKeyframes({first, second}));
+
+  const core::Pose second_moved = core::PoseFromXyzYaw({30.0, 1.0, 0.0}, 0.1);
+  PlanFarAway(&ways, tests::MovedKeyframes({first, second_moved}, 1));
+  ASSERT_EQ(ways.ways().size(), 1u);
+  EXPECT_LT((ways.ways()[0].p_map - Vec2(2.0, 0.0)).norm(), 1e-9);
+  EXPECT_LT((ways.PlacesBeyond()[0] - core::Vec3(3.0, 0.0, 0.0)).norm(), 1e-9);
+
+  const core::Pose first_moved = core::PoseFromXyzYaw({0.0, 0.0, 0.5}, 0.5 * core::kPi);
+  PlanFarAway(&ways, tests::MovedKeyframes({first_moved, second_moved}, 2));
+  ASSERT_EQ(ways.ways().size(), 1u);
+  EXPECT_LT((ways.ways()[0].p_map - Vec2(0.0, 2.0)).norm(), 1e-9);
+  EXPECT_LT((ways.PlacesBeyond()[0] - core::Vec3(0.0, 3.0, 0.5)).norm(), 1e-9);
+}
+
+TEST(BlockedWays, APointThatIsSeenAgainLeavesTheOthersWithTheirKeyframe) {
+  const core::Pose first = core::Pose::Identity(), second = core::PoseFromXyzYaw({30.0, 0.0, 0.0}, 0.0);
+  BlockedWay of_two = WayAtTwo();
+  of_two.beyond_map = {core::Vec3(3.0, 0.0, 0.0), core::Vec3(3.0, 40.0, 0.0)};
+  const tests::FlatGround ground(8.0);
+  const Walkable here(ground, Vec2(0.0, 0.0));
+  BlockedWays ways;
+  ways.Learn(here, {}, {of_two}, tests::MovedKeyframes({first}));
+  ways.Learn(here, {}, {WayAtTwo()}, tests::MovedKeyframes({first, second}));  // (3, 0) anew
+  PlanFarAway(&ways, tests::MovedKeyframes({core::PoseFromXyzYaw({0.0, 5.0, 0.0}, 0.0), second}, 1));
+  ASSERT_EQ(ways.ways().size(), 1u);
+  EXPECT_LT((ways.ways()[0].p_map - Vec2(2.0, 0.0)).norm(), 1e-9);
+  ASSERT_EQ(ways.PlacesBeyond().size(), 2u);
+  EXPECT_LT((ways.PlacesBeyond()[0] - core::Vec3(3.0, 0.0, 0.0)).norm(), 1e-9);
+  EXPECT_LT((ways.PlacesBeyond()[1] - core::Vec3(3.0, 45.0, 0.0)).norm(), 1e-9);
+}
+
+TEST(BlockedWays, OfAFloorAboveStayWhenThePlanIsUnderThem) {
+  const tests::FlatGround ground(8.0);
+  const Walkable below(ground, Vec2(0.0, 0.0));
+  BlockedWays ways;
+  ways.Learn(below, {}, {WayAtTwo(3.0)}, tests::MovedKeyframes());
+  ways.Learn(below, {}, {}, tests::MovedKeyframes());
+  EXPECT_EQ(ways.ways().size(), 1u) << "the window holds (x, y), but another floor of it";
+
+  BlockedWays on_this_floor;
+  on_this_floor.Learn(below, {}, {WayAtTwo(0.0)}, tests::MovedKeyframes());
+  on_this_floor.Learn(below, {}, {}, tests::MovedKeyframes());
+  EXPECT_TRUE(on_this_floor.ways().empty()) << "looked at anew, and not found";
+}
+
+TEST(BlockedWays, AreNotReachedByAPlaceOfAnotherFloor) {
+  const tests::FlatGround ground(8.0);
+  BlockedWays ways;
+  ways.Learn(Walkable(ground, Vec2(0.0, 0.0)), {}, {WayAtTwo(3.0)}, tests::MovedKeyframes());
+  CandidateTree tree;
+  tree.nodes.push_back({.p_map = Vec2(3.0, 0.0), .ground_m = 0.0});
+  PlanFarAway(&ways, tests::MovedKeyframes(), tree);
+  EXPECT_EQ(ways.ways().size(), 1u) << "beneath it";
+  tree.nodes.push_back({.p_map = Vec2(3.0, 0.0), .ground_m = 3.0});
+  PlanFarAway(&ways, tests::MovedKeyframes(), tree);
+  EXPECT_TRUE(ways.ways().empty()) << "there";
+}
+
 }  // namespace
 }  // namespace atlas::planner
