@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace atlas::planner {
+namespace {
+
+/// A floor's own returns scatter about it by less; what hangs lower under a floor belongs to the room below.
+constexpr double kGroundBandVoxels = 2.0;
+
+}  // namespace
 
 SurfaceTally::SurfaceTally(const core::Box3& object_box, double voxel_m)
     : box_(object_box), voxel_m_(voxel_m) {
@@ -32,21 +38,23 @@ bool SurfaceTally::SeenAround(size_t index) const {
 
 namespace {
 
-/// Of the floors above one another, the highest that is not above the point.
-double GroundBelow(const core::Vec3& p, const mapping::TraversableGround& ground) {
+/// Of the floors above one another, the highest that is above the point by at most `reach_m`; the lowest
+/// where none is.
+double GroundUnder(const core::Vec3& p, const mapping::TraversableGround& ground, double reach_m) {
   const auto levels = ground.LevelsAt(p.head<2>());
   if (levels.empty()) return ground.SurfaceAt(p).height_m;
-  double below = *std::min_element(levels.begin(), levels.end());
+  double under = *std::min_element(levels.begin(), levels.end());
   for (const double height : levels) {
-    if (height <= p.z() + mapping::TraversableGround::kSameLevel_m) below = std::max(below, height);
+    if (height <= p.z() + reach_m) under = std::max(under, height);
   }
-  return ground.SurfaceAt({p.x(), p.y(), below}).height_m;
+  return ground.SurfaceAt({p.x(), p.y(), under}).height_m;
 }
 
 }  // namespace
 
 size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& returns_map,
                               const mapping::TraversableGround& ground) {
+  const double band_m = kGroundBandVoxels * voxel_m_;
   std::vector<size_t> unseen;
   for (const core::Vec3f& point : returns_map) {
     const core::Vec3 p = point.cast<double>();
@@ -56,7 +64,7 @@ size_t SurfaceTally::CountNew(const std::vector<core::Vec3f>& returns_map,
       cell[axis] = static_cast<int>((p[axis] - box_.min[axis]) / voxel_m_) + 1;
     }
     const size_t index = IndexOf(cell);
-    if (seen_[index] || p.z() < GroundBelow(p, ground) + 2.0 * voxel_m_) continue;
+    if (seen_[index] || p.z() < GroundUnder(p, ground, band_m) + band_m) continue;
     unseen.push_back(index);
   }
   std::sort(unseen.begin(), unseen.end());

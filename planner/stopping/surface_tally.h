@@ -21,7 +21,8 @@ class SurfaceTally {
 
   /// Of the voxels that these returns fell into, how many lie on the object, and neither they nor any of
   /// their 26 neighbours held one in an earlier call. Returns lower than two voxels above the ground under
-  /// them are ground.
+  /// them are ground; of floors above one another that is the highest of which they lie no more than two
+  /// voxels below.
   size_t CountNew(const std::vector<core::Vec3f>& returns_map, const mapping::TraversableGround& ground);
 
  private:

@@ -3,32 +3,39 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
+
 namespace atlas::planner {
 namespace {
 
 using core::Vec3f;
 
+/// One floor, or two above one another.
 class LevelGround : public mapping::TraversableGround {
  public:
-  explicit LevelGround(double height_m) : height_m_(height_m) {}
+  explicit LevelGround(double height_m, std::optional<double> upper_m = std::nullopt)
+      : height_m_(height_m), upper_m_(upper_m) {}
   Levels LevelsAt(const core::Vec2&) const override {
     Levels levels;
     levels.Add(height_m_);
+    if (upper_m_) levels.Add(*upper_m_);
     return levels;
   }
   double Traversability(const core::Vec3&) const override { return 1.0; }
   mapping::GroundKind KindAt(const core::Vec3&) const override { return mapping::GroundKind::kFree; }
   bool FootprintFree(const core::Vec3&, double) const override { return true; }
   bool CircleFree(const core::Vec3&) const override { return true; }
-  Surface SurfaceAt(const core::Vec3&) const override {
+  Surface SurfaceAt(const core::Vec3& p) const override {
     Surface surface;
-    surface.height_m = height_m_;
+    surface.height_m = upper_m_ && std::abs(p.z() - *upper_m_) <= kSameLevel_m ? *upper_m_ : height_m_;
     return surface;
   }
   core::Box3 Window() const override { return {{-9, -9, -9}, {9, 9, 9}}; }
 
  private:
   double height_m_;
+  std::optional<double> upper_m_;
 };
 
 const core::Box3 kBox{{-1.0, -1.0, 0.0}, {1.0, 1.0, 2.0}};
@@ -72,6 +79,19 @@ TEST(SurfaceTally, GroundAndSurroundingsDoNotCount) {
                                      {1.525f, 0.025f, 1.025f},   // beside the box
                                      {0.025f, 0.025f, 2.075f}};  // above it
   EXPECT_EQ(tally.CountNew(voxels, LevelGround(0.3)), 1u);
+}
+
+/// A post through both storeys, a voxel a height; the upper floor cuts it at 3 m.
+TEST(SurfaceTally, OfAWallUnderAnUpperFloorOnlyWhatIsAtTheFloorsIsGround) {
+  const core::Box3 house{{-1.0, -1.0, 0.0}, {1.0, 1.0, 5.0}};
+  const LevelGround storeys(0.0, 3.0);
+  for (int k = 0; k < 100; ++k) {
+    const double z = 0.025 + 0.05 * k;
+    SurfaceTally tally(house, 0.05);
+    const bool at_a_floor = z < 0.1 || std::abs(z - 3.0) < 0.1;
+    EXPECT_EQ(tally.CountNew({Vec3f(0.025f, 0.025f, static_cast<float>(z))}, storeys), at_a_floor ? 0u : 1u)
+        << z;
+  }
 }
 
 TEST(SurfaceTally, EveryVoxelOfTheBoxHasItsOwnPlace) {
