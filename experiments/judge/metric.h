@@ -32,7 +32,7 @@ struct JudgedScan {
 
 /// What is known of a run so far.
 struct JudgedRun {
-  int scans = 0;
+  int scans = 0;  ///< rows of steps.csv
   double sim_time_s = 0.0, distance_m = 0.0, wall_time_s = 0.0;
   std::optional<double> attainable;     ///< share of the truth that a perfect run covers from its outer side
   std::optional<double> attainable_m3;  ///< of scenes to explore

@@ -122,10 +122,10 @@ void MissionMetrics::Attach(sim::Simulator* simulator) {
 }
 
 void MissionMetrics::BeginScan() {
-  ++scans_;
+  ++scans_begun_;
   const double walk_wall_s = scan_.times.walk_wall_s;
   scan_ = JudgedScan{};
-  scan_.scan = scans_;
+  scan_.scan = scans_begun_;
   scan_.times.walk_wall_s = walk_wall_s;
 }
 
@@ -178,6 +178,7 @@ void MissionMetrics::AdoptScore() {
 }
 
 void MissionMetrics::FinishScan(const planner::Decision& decision, const planner::DecisionLog& log) {
+  ++scans_finished_;
   scan_.score = score_;
   scan_.decision = decision;
   scan_.log = log;
@@ -187,14 +188,14 @@ void MissionMetrics::FinishScan(const planner::Decision& decision, const planner
   core::Row step, times;
   for (const auto& metric : metrics_) metric->OnScan(scan_, &step, &times);
   Summarise(scan_.sim_time_s, scan_.distance_m, scan_.times.wall_time_s);
-  recorder_->AddDecision(scans_, log, config_.planner.own->extra_gains());
+  recorder_->AddDecision(scan_.scan, log, config_.planner.own->extra_gains());
   recorder_->AddStep(step, times);
   scan_.times.walk_wall_s = 0.0;
   Report("scanned", true);
 }
 
 void MissionMetrics::Summarise(double sim_time_s, double distance_m, double wall_time_s) {
-  const JudgedRun run{.scans = scans_,
+  const JudgedRun run{.scans = scans_finished_,
                       .sim_time_s = sim_time_s,
                       .distance_m = distance_m,
                       .wall_time_s = wall_time_s,
@@ -256,7 +257,7 @@ void MissionMetrics::Report(const std::string& stage, bool final) {
                         : "";
   const std::string line =
       fmt::format("scan {:2d}  {:02d}:{:02d}  {:6.2f} m  coverage {:5.1f} %{}  {:.1f} x real time  {}",
-                  scans_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
+                  scans_begun_, static_cast<int>(time_s) / 60, static_cast<int>(time_s) % 60, distance_m_,
                   100.0 * score_.coverage, of_attainable, time_s / std::max(1e-3, wall_.seconds()), stage);
   final ? Note(line) : options_.progress(line, false);
 }

@@ -53,7 +53,8 @@ class MissionMetrics {
   /// A progress line: scan, simulated time, distance, coverage, what is going on.
   void Report(const std::string& stage, bool final = false);
 
-  int scans() const { return scans_; }
+  /// The one under way counts.
+  int scans_begun() const { return scans_begun_; }
   ScanTimes& timing() { return scan_.times; }
 
  private:
@@ -82,7 +83,7 @@ class MissionMetrics {
   std::string log_;           ///< lines that stay
   double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
   GroundPlan ground_;
-  int scans_ = 0;
+  int scans_begun_ = 0, scans_finished_ = 0;
   double distance_m_ = 0.0;
   std::optional<double> attainable_share_;
   JudgedScan scan_;

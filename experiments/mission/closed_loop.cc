@@ -41,9 +41,10 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
   return EndingOf(stood);
 }
 
+/// After this scan.
 planner::Budget BudgetLeft(const Mission& m) {
   const MissionParams& most = m.config.mission;
-  return {.scans = most.max_scans - m.metrics.scans(),
+  return {.scans = most.max_scans - m.metrics.scans_begun(),
           .time_s = most.max_time_s - m.simulator->time_s(),
           .distance_m = most.max_distance_m - m.odometry_distance_m};
 }

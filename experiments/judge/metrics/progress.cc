@@ -38,7 +38,7 @@ MetricEntry ProgressMetric() {
                     {"yaw_rad", "rad", "likewise", 5}},
           .times = {{"scan", "", "from 1"}},
           .summary = {{"travel_distance_m", "m", "walked by the true base"},
-                      {"scans", "", "sweeps taken"},
+                      {"scans", "", "sweeps that a plan followed: rows of steps.csv"},
                       {"sim_time_s", "s", "simulated"}},
           .build = BuildMetric<Progress>};
 }

@@ -275,10 +275,25 @@ TEST_F(MissionMetricsTest, WhatCameAfterTheLastScoreCountsNowhere) {
 }
 
 TEST_F(MissionMetricsTest, AMissionWithoutAScanHasCoveredNothing) {
-  Finish(RunStatus::kInterrupted, StopReason::kSignal);
+  metrics_->BeginScan();  // and the robot falls while it sweeps
+  const RunSummary summary = Finish(RunStatus::kInterrupted, StopReason::kSignal);
   const tests::CsvRow part = tests::ReadCsv(options_.folder / "coverage_by_part.csv").at(0);
   EXPECT_GT(Number(part, "attainable"), 0.5);
   EXPECT_EQ(Number(part, "coverage"), 0.0);
+  EXPECT_EQ(summary.Number("scans"), 0.0);
+  EXPECT_FALSE(summary.Number("blocked_ways").has_value()) << "no plan looked for any";
+}
+
+TEST_F(MissionMetricsTest, ScansAreTheRowsOfStepsCsv) {
+  for (int scan = 1; scan <= 2; ++scan) {
+    ScanOf({});
+    EXPECT_EQ(metrics_->scans_begun(), scan);
+  }
+  metrics_->BeginScan();
+  EXPECT_EQ(metrics_->scans_begun(), 3) << "what the budget counts";
+  const RunSummary summary = Finish(RunStatus::kInterrupted, StopReason::kSignal);
+  EXPECT_EQ(tests::ReadCsv(options_.folder / "steps.csv").size(), 2u);
+  EXPECT_EQ(summary.Number("scans"), 2.0);
 }
 
 TEST_F(MissionMetricsTest, OfWaysTooNarrowThoseAreNamedThatAreWorthWalking) {
