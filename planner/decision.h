@@ -12,21 +12,22 @@ namespace atlas::planner {
 enum class LossReason { kChosen, kLowerUtility, kBlacklisted, kUnreachable, kNoGain };
 
 /// A viewpoint candidate x = (x, y, yaw) with all that decided about it; tables, plots and video recompute
-/// nothing.
+/// nothing. What its planner does not compute is not set.
 struct Candidate {
   core::Vec2 p_map = core::Vec2::Zero();
   double yaw_rad = 0.0;
-  double ground_m = 0.0;
+  double ground_m = 0.0;       ///< height of the ground there
   int node = -1;               ///< RRT node it stands on
   double path_length_m = 0.0;  ///< along the tree
-  double gain = 0.0;           ///< g_x of the deciding gain
-  double surface_m2 = 0.0;     ///< surface_frontier, where the planner decides by it
-  double worth = 0.0;          ///< what Eq. 3.1 takes for g_x: the gain, or the surface modulated by it
-  std::vector<double> extra_gains;
+  std::optional<double> gain;  ///< g_x of the deciding gain
   double gain_void = 0.0, gain_ground = 0.0,
-         gain_object = 0.0;  ///< the deciding gain split by where its rays end
-  double visited_cost = 0.0, too_close_cost = 0.0, position_cost = 0.0, traversal_cost = 0.0;
-  double utility = 0.0;  ///< Eq. 3.1
+         gain_object = 0.0;  ///< of a gain that is set: split by where its rays end
+  std::vector<double> extra_gains;
+  std::optional<double> surface_m2;  ///< surface_frontier, where the planner decides by it
+  std::optional<double> worth;       ///< what Eq. 3.1 takes for g_x: the gain, or the surface modulated by it
+  std::optional<double> utility;     ///< Eq. 3.1
+  double visited_cost = 0.0, too_close_cost = 0.0, position_cost = 0.0,
+         traversal_cost = 0.0;  ///< of a utility that is set
   LossReason reason = LossReason::kLowerUtility;
 };
 
@@ -72,17 +73,19 @@ struct Stuck {
 
 using Decision = std::variant<GoScan, Done, Stuck>;
 
-/// All that a plan considered; tables, plots and video recompute nothing.
+/// All that a plan considered; tables, plots and video recompute nothing. What its planner does not compute
+/// is not set.
 struct DecisionLog {
   std::vector<Candidate> candidates;
   int best = -1;  ///< index into candidates
+  std::optional<size_t> views_predicted;
   int nodes_obtained = 0;
   int attempts = 0;
   size_t rays_traced = 0;
-  double utility_ratio = 0.0;  ///< best over the greatest so far
-  double path_length_m = 0.0;  ///< of the way to the best view
+  std::optional<double> utility_ratio;  ///< best over the greatest so far
+  double path_length_m = 0.0;           ///< of the way to the best view
   /// Ways thought too narrow, all that are known; judged (worth_share) by the plan that ends the mission.
-  std::vector<BlockedWay> blocked;
+  std::optional<std::vector<BlockedWay>> blocked;
 };
 
 }  // namespace atlas::planner

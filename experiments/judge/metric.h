@@ -21,7 +21,7 @@ struct JudgedScan {
   double sim_time_s = 0.0;                         ///< at the end of the sweep
   double distance_m = 0.0;                         ///< walked so far by the true base
   core::Pose T_map_base = core::Pose::Identity();  ///< estimate the sweep was taken under
-  size_t cloud_points = 0;                         ///< of this sweep's filtered cloud
+  size_t cloud_points = 0;                         ///< filtered, since the scan before
   size_t new_surface_voxels = 0;                   ///< newly occupied
   CloudScore score;                                ///< of all clouds so far
   planner::Decision decision;                      ///< that followed

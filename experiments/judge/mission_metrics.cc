@@ -182,7 +182,7 @@ void MissionMetrics::FinishScan(const planner::Decision& decision, const planner
   scan_.score = score_;
   scan_.decision = decision;
   scan_.log = log;
-  blocked_ = log.blocked;
+  blocked_ = log.blocked.value_or(std::vector<planner::BlockedWay>{});
   scan_.safety = simulator_->safety();
   scan_.times.wall_time_s = wall_.seconds();
   core::Row step, times;

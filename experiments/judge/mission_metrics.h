@@ -1,4 +1,5 @@
-// What a mission is judged by. The only part of the loop that sees ground truth.
+// What a mission is judged by. Of the loop this part sees the ground truth, besides it only the film and the
+// localiser `truth`.
 //
 // The costly part (TakeCloud, ScoreClouds) touches only the meter and its own results, so
 // that it may run beside the rest, one call at a time; AdoptScore and Finish read them once it is over.

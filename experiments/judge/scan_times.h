@@ -7,7 +7,7 @@ namespace atlas::experiments {
 
 struct ScanTimes {
   double nbv_time_s = 0.0;      ///< candidates, gains, costs, path
-  double integration_ms = 0.0;  ///< mapper, the whole sweep
+  double integration_ms = 0.0;  ///< the map alone, all revolutions since the scan before
   double terrain_ms = 0.0;
   double metrics_ms = 0.0;
   double sweep_wall_s = 0.0;  ///< simulating the sweep

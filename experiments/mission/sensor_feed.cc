@@ -74,8 +74,8 @@ void SensorFeed::OnDepth(const core::DepthEvent& event) {
 void SensorFeed::Map(const core::AnchoredSpin& spin, const core::PoseSource& poses) {
   const core::Stopwatch integrating;
   to_.map->Integrate(spin, poses);
-  const mapping::ReturnCloud cloud = to_.cloud->Add(*spin.spin, spin.T_map_odom(poses));
   mapped_.integration_s += integrating.seconds();
+  const mapping::ReturnCloud cloud = to_.cloud->Add(*spin.spin, spin.T_map_odom(poses));
   mapped_.cloud_points += cloud.points.size();
   to_.on_cloud(cloud);
 }

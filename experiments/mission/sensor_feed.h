@@ -58,7 +58,7 @@ class SensorFeed : public core::SensorSink {
 
   struct Mapped {
     size_t cloud_points = 0;
-    double integration_s = 0.0;  ///< wall-clock time of the mapper's work
+    double integration_s = 0.0;  ///< wall-clock time of the map alone
   };
   /// Waits until the map holds every revolution so far. Tells what that was since the last call.
   Mapped DrainMap();

@@ -100,12 +100,20 @@ std::string CandidatesCsvHeader(const std::vector<std::string>& extra_gains) {
 void AppendCandidateRows(int scan, const planner::DecisionLog& log, size_t extra_count, std::string* csv) {
   for (size_t i = 0; i < log.candidates.size(); ++i) {
     const planner::Candidate& c = log.candidates[i];
-    *csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f},{:.6g},{:.6g},{:.6g},{:.6g},", scan, i,
-                        c.node, c.p_map.x(), c.p_map.y(), c.yaw_rad, c.ground_m, c.path_length_m, c.gain,
-                        c.gain_void, c.gain_ground, c.gain_object);
-    *csv += fmt::format("{:.6g},{:.6g},", c.surface_m2, c.worth);
-    *csv += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.6g},{}", c.visited_cost, c.too_close_cost,
-                        c.position_cost, c.traversal_cost, c.utility, NameOf(c.reason));
+    const auto number = [&](const std::optional<double>& value) {
+      *csv += value ? fmt::format("{:.6g},", *value) : ",";
+    };
+    const auto of_gain = [&](double value) { number(c.gain ? std::optional(value) : std::nullopt); };
+    const auto cost = [&](double value) { *csv += c.utility ? fmt::format("{:.4f},", value) : ","; };
+    *csv += fmt::format("{},{},{},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f},", scan, i, c.node, c.p_map.x(),
+                        c.p_map.y(), c.yaw_rad, c.ground_m, c.path_length_m);
+    number(c.gain);
+    for (const double part : {c.gain_void, c.gain_ground, c.gain_object}) of_gain(part);
+    number(c.surface_m2);
+    number(c.worth);
+    for (const double one : {c.visited_cost, c.too_close_cost, c.position_cost, c.traversal_cost}) cost(one);
+    number(c.utility);
+    *csv += NameOf(c.reason);
     for (size_t k = 0; k < extra_count; ++k) {
       *csv += k < c.extra_gains.size() ? fmt::format(",{:.6g}", c.extra_gains[k]) : ",";
     }

@@ -8,7 +8,8 @@ void TerrainParams::Visit(core::ParamVisitor& v) {
           {.unit = "m",
            .min = 3.0,
            .max = 30.0,
-           .doc = "side of the square about the robot that the elevation map holds"});
+           .doc = "side of the square about the robot that the elevation map holds; as much as "
+                  "planner.window_m, unless told"});
   v.Field(
       "max_fill_m", &max_fill_m,
       {.unit = "m", .min = 0.0, .max = 0.6, .doc = "gaps up to this wide are interpolated, wider ones stay"});

@@ -1,5 +1,6 @@
 #include "planner/planners/catalog.h"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -67,7 +68,9 @@ void PlannerConfig::Visit(core::ParamVisitor& v) {
   const std::string before = name;
   v.Field("name", &name, {.choices = core::NamesOf(PlannerCatalog()), .doc = Docs()});
   if (name != before) *this = PlannerConfig(name);
+  const double window_m = own->window_m();
   own->Visit(v);
+  if (own->window_m() != window_m) terrain.window_m = std::max(terrain.window_m, own->window_m());
   const std::set<std::string> here = FieldsOf(own.get());
   for (const PlannerEntry& entry : PlannerCatalog()) {
     for (const std::string& field : FieldsOf(entry.defaults().get())) {

@@ -56,7 +56,7 @@ class Frontier final : public Planner {
     const Ways ways{walkable, tree};
     parts_.Places(belief, ways, log);
     if (tree.nodes.empty()) return parts_.WithoutPlaces(belief, log);
-    parts_.ValueViews(belief, ways, WorthIsGain, log);
+    parts_.PredictViews(belief, ways, log);  // what they cost decides nothing
     promised_ = promised_ || parts_.greatest_value > 0.0;
     int view = Nearest(log);
     if (view < 0 && !promised_) view = parts_.NearerToObject(*log);
@@ -65,13 +65,12 @@ class Frontier final : public Planner {
   }
 
  private:
-  /// By its way, then by what it uncovers; -1 where there is none. Its utility is what it uncovers.
+  /// By its way, then by what it uncovers; -1 where there is none.
   int Nearest(DecisionLog* log) const {
     int nearest = -1;
     for (size_t i = 0; i < log->candidates.size(); ++i) {
       Candidate& c = log->candidates[i];
-      c.utility = c.gain;
-      if (c.gain < params_.frontier_m2) {
+      if (*c.gain <= 0.0 || *c.gain < params_.frontier_m2) {
         c.reason = LossReason::kNoGain;
       } else if (parts_.memory.BrokenPromisesNear(c.p_map) >= params_.dropped_after) {
         c.reason = LossReason::kBlacklisted;
@@ -83,7 +82,7 @@ class Frontier final : public Planner {
   }
   static bool IsBefore(const Candidate& a, const Candidate& b) {
     if (a.path_length_m != b.path_length_m) return a.path_length_m < b.path_length_m;
-    return a.gain > b.gain;
+    return *a.gain > *b.gain;
   }
 
   FrontierParams params_;

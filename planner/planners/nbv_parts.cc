@@ -16,6 +16,7 @@ void NbvParams::Visit(core::ParamVisitor& v) {
 
 NbvParts::NbvParts(const NbvParams& params, const GainRoles& gains, const PlannerSetup& setup)
     : goal(setup.goal),
+      robot(setup.robot),
       window_m(params.views.window_m),
       views(params.views, gains, setup),
       costs(params.costs, setup, views.sensor_height_m()),
@@ -29,19 +30,20 @@ Walkable NbvParts::Begin(const Belief& belief) {
 
 void NbvParts::Places(const Belief& belief, const Ways& ways, DecisionLog* log) {
   log->nodes_obtained = static_cast<int>(ways.tree.nodes.size());
+  log->views_predicted = 0;
   log->attempts = ways.tree.attempts;
   blocked.Learn(belief, ways, log);
 }
 
 Decision NbvParts::WithoutPlaces(const Belief& belief, DecisionLog* log) {
-  const double ground_m = belief.T_map_base.translation().z() - views.sensor_height_m();
-  if (auto move = travel.Recover(belief, ground_m, log)) return *move;
+  if (auto move = travel.Recover(belief, robot.GroundUnder(belief.T_map_base), log)) return *move;
   if (blocked.PromiseMore(belief, views, greatest_value, log)) return Done{Done::Reason::kBlockedNarrow};
   return Stuck{Stuck::Reason::kNoCandidates};
 }
 
 void NbvParts::PredictViews(const Belief& belief, const Ways& ways, DecisionLog* log) {
   views.Predict(belief.map, ways, log);
+  log->views_predicted = log->candidates.size();
   for (const Candidate& c : log->candidates) greatest_value = std::max(greatest_value, views.ValueOf(c));
 }
 

@@ -31,7 +31,9 @@ struct NbvParts {
   void Places(const Belief& belief, const Ways& ways, DecisionLog* log);
   /// Where there is no place to choose from: back, a turn, a step aside; in the end the mission ends.
   Decision WithoutPlaces(const Belief& belief, DecisionLog* log);
-  /// Predicts the views of a plan's places and what they cost; `value` sets what Eq. 3.1 takes for g_x.
+  /// Predicts the views of a plan's places.
+  void PredictViews(const Belief& belief, const Ways& ways, DecisionLog* log);
+  /// Predicts them and what they cost; `value` sets what Eq. 3.1 takes for g_x.
   template <typename Value>
   void ValueViews(const Belief& belief, const Ways& ways, const Value& value, DecisionLog* log) {
     PredictViews(belief, ways, log);
@@ -48,6 +50,7 @@ struct NbvParts {
   Decision GoTo(int view, const Belief& belief, const Ways& ways, const core::Rng& rng, DecisionLog* log);
 
   Goal goal;
+  RobotModel robot;
   double window_m;
   ViewPredictor views;
   ViewCosts costs;
@@ -55,9 +58,6 @@ struct NbvParts {
   BlockedViews blocked;
   Travel travel;
   double greatest_value = 0.0;  ///< of a view, before anything modulates it; over all plans
-
- private:
-  void PredictViews(const Belief& belief, const Ways& ways, DecisionLog* log);
 };
 
 }  // namespace atlas::planner

@@ -10,8 +10,13 @@ namespace {
 class RandomParams final : public PlannerParamsOf<RandomParams> {
  public:
   void Visit(core::ParamVisitor& v) override {
-    v.Field("window_m", &plan_in_m,
-            {.unit = "m", .min = 2.0, .max = 100.0, .doc = "side of the square about the robot"});
+    v.Field(
+        "window_m", &plan_in_m,
+        {.unit = "m",
+         .min = 2.0,
+         .max = 30.0,
+         .doc = "side of the square about the robot that it plans in; what the elevation map does not hold "
+                "is left out"});
     v.Field("lattice_m", &lattice_m,
             {.unit = "m", .min = 0.1, .max = 5.0, .doc = "spacing of the places considered"});
     travel.Visit(v);
@@ -27,10 +32,7 @@ class RandomParams final : public PlannerParamsOf<RandomParams> {
 class Random final : public Planner {
  public:
   Random(const RandomParams& params, const PlannerSetup& setup)
-      : params_(params),
-        base_height_m_(setup.robot.sensor.base_height_m),
-        rng_(setup.rng.Split("random")),
-        travel_(params.travel) {}
+      : params_(params), robot_(setup.robot), rng_(setup.rng.Split("random")), travel_(params.travel) {}
 
   void OnScan(const ScanOutcome&, const core::PoseSource&) override {}
 
@@ -42,8 +44,7 @@ class Random final : public Planner {
     roadmap_.Extend(&tree);
     log->nodes_obtained = static_cast<int>(tree.nodes.size());
     if (tree.nodes.empty()) {
-      const double ground_m = belief.T_map_base.translation().z() - base_height_m_;
-      if (auto move = travel_.Recover(belief, ground_m, log)) return *move;
+      if (auto move = travel_.Recover(belief, robot_.GroundUnder(belief.T_map_base), log)) return *move;
       return Stuck{Stuck::Reason::kNoCandidates};
     }
     Candidate view;
@@ -59,7 +60,7 @@ class Random final : public Planner {
 
  private:
   RandomParams params_;
-  double base_height_m_;
+  RobotModel robot_;
   core::Rng rng_;
   Travel travel_;
   Roadmap roadmap_;

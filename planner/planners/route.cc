@@ -35,7 +35,7 @@ Stop ParseStop(const std::string& text) {
 
 class Route final : public Planner {
  public:
-  explicit Route(const std::vector<std::string>& stops) {
+  Route(const std::vector<std::string>& stops, const RobotModel& robot) : robot_(robot) {
     bool any_view = false;
     for (const std::string& text : stops) {
       stops_.push_back(ParseStop(text));
@@ -64,7 +64,7 @@ class Route final : public Planner {
     Candidate view;
     view.p_map = go.p_map;
     view.yaw_rad = go.yaw_rad;
-    view.ground_m = belief.T_map_base.translation().z();
+    view.ground_m = robot_.GroundUnder(belief.T_map_base);
     view.path_length_m = log->path_length_m;
     view.reason = LossReason::kChosen;
     log->candidates = {view};
@@ -74,6 +74,7 @@ class Route final : public Planner {
   }
 
  private:
+  RobotModel robot_;
   std::vector<Stop> stops_;
   size_t at_ = 0, last_view_ = 0;
 };
@@ -88,8 +89,8 @@ class RouteParams final : public PlannerParamsOf<RouteParams> {
         {.doc = "stops \"X Y\" (m, passed by) and \"X Y YAW\" (deg, a view); the first is where the robot "
                 "starts"});
   }
-  std::unique_ptr<Planner> Build(const PlannerSetup&) const override {
-    return std::make_unique<Route>(route);
+  std::unique_ptr<Planner> Build(const PlannerSetup& setup) const override {
+    return std::make_unique<Route>(route, setup.robot);
   }
 
   std::vector<std::string> route;

@@ -54,7 +54,7 @@ Decision SurfacePlanner::Plan(const Belief& belief, DecisionLog* log) {
   parts_.ValueViews(
       belief, ways, [this](DecisionLog* views) { ModulateBySurface(views); }, log);
   const std::vector<int> ranked = RankViews(log);
-  const double best = ranked.empty() ? 0.0 : log->candidates[static_cast<size_t>(ranked[0])].utility;
+  const double best = ranked.empty() ? 0.0 : log->candidates[static_cast<size_t>(ranked[0])].utility.value();
   termination_.Observe(best, parts_.memory.latest_surface_share());
   log->utility_ratio = termination_.ratio();
   const bool too_far = best <= 0.0 && termination_.NothingWasPromised();
@@ -85,17 +85,18 @@ CandidateTree SurfacePlanner::PickPlaces(const Belief& belief, const Walkable& w
 /// What Eq. 3.1 takes for g_x.
 void SurfacePlanner::ModulateBySurface(DecisionLog* log) const {
   double most = 0.0;
-  for (const Candidate& c : log->candidates) most = std::max(most, c.gain);
+  for (const Candidate& c : log->candidates) most = std::max(most, *c.gain);
   const ViewMemory& memory = parts_.memory;
   for (Candidate& c : log->candidates) {
-    const double relative = most > 0.0 ? c.gain / most : 0.0;
-    c.worth =
-        params_.DecidesBySurface() ? c.surface_m2 * (1.0 - params_.gain_share * (1.0 - relative)) : c.gain;
+    const double relative = most > 0.0 ? *c.gain / most : 0.0;
+    double worth =
+        params_.DecidesBySurface() ? *c.surface_m2 * (1.0 - params_.gain_share * (1.0 - relative)) : *c.gain;
     if (params_.unvisited_m2 > 0.0) {
       const double distance = DistanceToVisited(c.p_map, memory.visited());
-      c.worth += params_.unvisited_m2 * std::max(0.0, 1.0 - params_.unvisited_beyond_m / distance);
+      worth += params_.unvisited_m2 * std::max(0.0, 1.0 - params_.unvisited_beyond_m / distance);
     }
-    if (params_.distrust_m > 0.0) c.worth *= memory.TrustAt(c.p_map, params_.distrust_m);
+    if (params_.distrust_m > 0.0) worth *= memory.TrustAt(c.p_map, params_.distrust_m);
+    c.worth = worth;
   }
 }
 
@@ -114,7 +115,7 @@ std::vector<int> SurfacePlanner::RankViews(DecisionLog* log) const {
       ranked.push_back(static_cast<int>(i));
     }
   }
-  const auto utility = [&](int i) { return log->candidates[static_cast<size_t>(i)].utility; };
+  const auto utility = [&](int i) { return *log->candidates[static_cast<size_t>(i)].utility; };
   std::stable_sort(ranked.begin(), ranked.end(), [&](int a, int b) { return utility(a) > utility(b); });
   if (!memory.commitment()) return ranked;
   const auto kept = std::find_if(ranked.begin(), ranked.end(), [&](int i) {

@@ -34,7 +34,7 @@ int BestView(DecisionLog* log) {
     Candidate& c = log->candidates[i];
     if (c.utility <= 0.0) c.reason = LossReason::kNoGain;
     if (c.utility <= most) continue;
-    most = c.utility;
+    most = *c.utility;
     best = static_cast<int>(i);
   }
   return best;
@@ -51,7 +51,7 @@ Decision Thesis::Plan(const Belief& belief, DecisionLog* log) {
 
   parts_.ValueViews(belief, ways, WorthIsGain, log);
   int best = BestView(log);
-  const double utility = best < 0 ? 0.0 : log->candidates[static_cast<size_t>(best)].utility;
+  const double utility = best < 0 ? 0.0 : log->candidates[static_cast<size_t>(best)].utility.value();
   greatest_utility_ = std::max(greatest_utility_, utility);
   log->utility_ratio = greatest_utility_ > 0.0 ? utility / greatest_utility_ : 0.0;
   if (greatest_utility_ <= 0.0) best = parts_.NearerToObject(*log);

@@ -31,7 +31,7 @@ bool BlockedViews::PromiseMore(const Belief& belief, const ViewPredictor& views,
   }
   ways_.SetWorth(shares, params_.blocked_share);
   log->blocked = ways_.ways();
-  return std::any_of(log->blocked.begin(), log->blocked.end(),
+  return std::any_of(log->blocked->begin(), log->blocked->end(),
                      [](const BlockedWay& way) { return way.promises; });
 }
 

@@ -1,6 +1,7 @@
 #include "planner/travel/view_costs.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace atlas::planner {
 
@@ -35,15 +36,17 @@ ViewCosts::ViewCosts(const CostParams& params, const PlannerSetup& setup, double
 void ViewCosts::Charge(const Belief& belief, const Ways& ways, const std::vector<Vec2>& scanned,
                        DecisionLog* log) const {
   const double yaw = core::YawOf(belief.T_map_base.linear());
-  const double ground_m = ways.walkable.ground().SurfaceAt(ways.walkable.start()).height_m;
-  const ObjectDistance object(belief.map, kept_map_, ground_m);
+  std::optional<ObjectDistance> object;
+  if (params_.too_close_cost) {
+    object.emplace(belief.map, kept_map_, ways.walkable.ground().SurfaceAt(ways.walkable.start()).height_m);
+  }
   for (Candidate& c : log->candidates) {
     if (params_.visited_cost) {
       c.visited_cost = PositionCost(DistanceToVisited(c.p_map, scanned), params_.visited_threshold_m);
     }
-    if (params_.too_close_cost) {
+    if (object) {
       const Vec3 sensor(c.p_map.x(), c.p_map.y(), c.ground_m + sensor_height_m_);
-      const double distance = object.At(sensor, params_.too_close_threshold_m + 0.1);
+      const double distance = object->At(sensor, params_.too_close_threshold_m + 0.1);
       c.too_close_cost = PositionCost(distance, params_.too_close_threshold_m);
     }
     c.position_cost = std::max(c.visited_cost, c.too_close_cost);
@@ -54,7 +57,7 @@ void ViewCosts::Charge(const Belief& belief, const Ways& ways, const std::vector
       way = ContinuousTraversalCost(traversal_, WalkTime(traversal_, ways.walkable, path, yaw, c.yaw_rad));
     }
     c.traversal_cost = CombineCosts(way, penalty);
-    c.utility = Utility(c.worth, c.position_cost, c.traversal_cost);
+    c.utility = Utility(*c.worth, c.position_cost, c.traversal_cost);
   }
 }
 

@@ -13,6 +13,11 @@ struct RobotModel {
   SweepSensorModel sensor;
   double speed_mps = 0.5;                               ///< on flat smooth ground
   double half_width_m = 0.33, turning_radius_m = 0.55;  ///< of the footprint
+
+  /// Height of the ground that it stands on, as its own pose tells.
+  double GroundUnder(const core::Pose& T_map_base) const {
+    return T_map_base.translation().z() - sensor.base_height_m;
+  }
 };
 
 struct PlannerSetup {

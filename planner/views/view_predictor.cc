@@ -22,7 +22,7 @@ void ViewParams::Visit(core::ParamVisitor& v) {
   v.Field("window_m", &window_m,
           {.unit = "m",
            .min = 2.0,
-           .max = 100.0,
+           .max = 30.0,
            .doc = "side of the square about the robot that views are sought in; what the elevation map does "
                   "not hold is not"});
   v.Field("headings", &headings, {.min = 1, .max = 64, .doc = "headings evaluated at every place"});

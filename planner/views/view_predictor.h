@@ -47,7 +47,8 @@ class ViewPredictor {
   std::vector<double> BestFrom(const mapping::MapView& map, const std::vector<core::Vec3>& places_map,
                                DecisionLog* log) const;
   /// What views are compared by, before anything modulates it: the surface where that decides, else the gain.
-  double ValueOf(const Candidate& view) const { return gains_.surface ? view.surface_m2 : view.gain; }
+  /// @pre the view was predicted.
+  double ValueOf(const Candidate& view) const { return gains_.surface ? *view.surface_m2 : *view.gain; }
 
   double sensor_height_m() const { return evaluator_.view().sensor_height_m(); }
   const core::Box3& goal_box() const { return goal_box_; }

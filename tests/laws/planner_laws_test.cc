@@ -13,13 +13,13 @@ using tests::PlanResult;
 class PlannerLaw : public ::testing::TestWithParam<std::string> {
  protected:
   /// Asked before the object, from whose near side it has taken one scan.
-  static PlanResult Decide(int threads, uint64_t seed) {
+  static PlanResult Decide(int threads, uint64_t seed,
+                           const tests::FlatGround& ground = tests::GroundAboutObject(Vec2(0.0, -3.0))) {
     tests::PlannerSettings settings{.name = GetParam(), .values = {}};
     if (settings.name == "route") settings.Set("route", "[0 -3, 2 -3 90]");
     const auto stand = tests::StandAtObject(settings, threads, seed);
     stand->OnSweep(tests::kStandAtObject, 500);
-    return stand->Plan(tests::kStandAtObject, tests::NearSideMapped(),
-                       tests::GroundAboutObject(Vec2(0.0, -3.0)));
+    return stand->Plan(tests::kStandAtObject, tests::NearSideMapped(), ground);
   }
 };
 
@@ -49,6 +49,16 @@ TEST_P(PlannerLaw, OneSeedIsOneDecisionOnAnyNumberOfThreads) {
   ASSERT_EQ(one.candidates.size(), three.candidates.size());
   for (size_t i = 0; i < one.candidates.size(); ++i) {
     EXPECT_EQ(one.candidates[i].utility, three.candidates[i].utility) << i;
+  }
+}
+
+/// The base stands 0.44 m above it.
+TEST_P(PlannerLaw, ViewsStandOnTheGroundWhereverTheyCameFrom) {
+  tests::FlatGround walled = tests::GroundAboutObject(Vec2(0.0, -3.0));
+  walled.AddObstacle(Vec2(-20.0, -20.0), Vec2(20.0, 20.0));
+  for (const PlanResult& plan : {Decide(1, 1), Decide(1, 1, walled)}) {
+    ASSERT_FALSE(plan.candidates.empty());
+    for (const Candidate& c : plan.candidates) EXPECT_NEAR(c.ground_m, 0.0, 1e-12);
   }
 }
 

@@ -17,8 +17,8 @@ class NewSurface final : public Metric {
 
 MetricEntry NewSurfaceMetric() {
   return {.name = "new_surface",
-          .doc = "points and new voxels of each sweep",
-          .steps = {{"cloud_points", "", "of this sweep's filtered cloud"},
+          .doc = "points and new voxels of each scan",
+          .steps = {{"cloud_points", "", "of the filtered cloud since the scan before: walk and sweep"},
                     {"new_surface_voxels", "", "of the object, that returned for the first time"}},
           .build = BuildMetric<NewSurface>};
 }

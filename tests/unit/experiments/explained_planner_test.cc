@@ -60,16 +60,17 @@ void Tell(const PlanResult& decision, Digest* told) {
   told->Add(decision.outcome);
   told->Add(decision.nodes_obtained);
   told->Add(decision.rays_traced);
-  told->Add(decision.utility_ratio);
+  told->Add(decision.utility_ratio.value_or(-1.0));
   told->Add(decision.path_map);
   for (const planner::Candidate& c : decision.candidates) {
     told->Add(c.p_map);
-    told->Add(std::vector<double>{c.yaw_rad, c.gain, c.surface_m2, c.worth, c.position_cost, c.traversal_cost,
-                                  c.utility});
+    told->Add(std::vector<double>{c.yaw_rad, c.position_cost, c.traversal_cost});
+    for (const auto& number : {c.gain, c.surface_m2, c.worth, c.utility}) told->Add(number.value_or(-1.0));
     told->Add(c.extra_gains);
     told->Add(c.reason);
   }
-  for (const planner::BlockedWay& way : decision.blocked) told->Add(way.worth_share.value_or(0.0));
+  if (!decision.blocked) return;
+  for (const planner::BlockedWay& way : *decision.blocked) told->Add(way.worth_share.value_or(0.0));
 }
 
 /// Sweeps bring ever less. The second way ends early, with the robot turned

@@ -181,6 +181,7 @@ TEST_F(MissionMetricsTest, WhatNoPhysicsMeasuresStaysEmpty) {
 TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   planner::DecisionLog decision;
   decision.candidates.resize(3);
+  decision.views_predicted = 3;
   decision.candidates[1].gain = 11.5;
   decision.candidates[1].utility = 2.25;
   decision.best = 1;
@@ -216,6 +217,24 @@ TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   for (const auto& [column, value] : expected) EXPECT_EQ(Number(row, column), value) << column;
   EXPECT_EQ(row.at("outcome"), "view");
   EXPECT_EQ(Number(ScanOf({}), "distance_m"), 6.5);
+}
+
+TEST_F(MissionMetricsTest, WhatThePlannerDoesNotComputeIsEmptyAndNoZero) {
+  planner::DecisionLog decision;
+  decision.candidates.resize(1);
+  decision.best = 0;
+  const tests::CsvRow row = ScanThatBrings({}, decision);
+  for (const char* column : {"candidates", "gain", "utility", "utility_ratio"}) {
+    EXPECT_EQ(row.at(column), "") << column;
+  }
+  EXPECT_FALSE(Finish(RunStatus::kBudget, StopReason::kScanBudget).Number("blocked_ways").has_value());
+  const tests::CsvRow candidate = tests::ReadCsv(options_.folder / "candidates.csv").at(0);
+  for (const auto& [column, cell] : candidate) {
+    const bool is_place = column == "scan" || column == "candidate" || column == "node" || column == "x_m" ||
+                          column == "y_m" || column == "yaw_rad" || column == "ground_m" ||
+                          column == "path_length_m" || column == "reason";
+    EXPECT_EQ(cell.empty(), !is_place) << column << ": " << cell;
+  }
 }
 
 TEST_F(MissionMetricsTest, TheCloudsErrorIsMeanAndTailAndLeavesOutWhatStandsAround) {
@@ -298,13 +317,13 @@ TEST_F(MissionMetricsTest, ScansAreTheRowsOfStepsCsv) {
 
 TEST_F(MissionMetricsTest, OfWaysTooNarrowThoseAreNamedThatAreWorthWalking) {
   planner::DecisionLog decision;
-  decision.blocked.resize(3);
-  decision.blocked[0].p_map = {1.25, -2.0};
-  decision.blocked[0].worth_share = 0.9;
-  decision.blocked[0].promises = true;
-  decision.blocked[1].p_map = {3.25, 4.0};
-  decision.blocked[1].worth_share = 0.001;
-  decision.blocked[2].p_map = {-5.25, 4.0};  // never judged
+  decision.blocked.emplace(3);
+  (*decision.blocked)[0].p_map = {1.25, -2.0};
+  (*decision.blocked)[0].worth_share = 0.9;
+  (*decision.blocked)[0].promises = true;
+  (*decision.blocked)[1].p_map = {3.25, 4.0};
+  (*decision.blocked)[1].worth_share = 0.001;
+  (*decision.blocked)[2].p_map = {-5.25, 4.0};  // never judged
   const auto end = [&](planner::Done::Reason reason) {
     ScanThatBrings({}, decision, planner::Done{reason});
     return Finish(RunStatus::kBudget, StopReason::kBlockedNarrow);

@@ -6,6 +6,7 @@
 
 #include <thread>
 
+#include "core/stopwatch.h"
 #include "mapping/slam/fixed_poses.h"
 #include "mapping/terrain/elevation_map.h"
 #include "robots/robot_spec.h"
@@ -143,6 +144,26 @@ TEST_P(SensorFeedTest, TheMapperHearsWhatItIsAskedToInOrderWhereItWasPlaced) {
 TEST_P(SensorFeedTest, WhoeverWalksIsToldAtEveryStateWhereTheOdometryLies) {
   for (const double time_s : {1.0, 1.5, 3.0}) feed.OnState(StateAt(time_s));
   EXPECT_EQ(told_x, (std::vector<double>{1.0, 1.5, 3.0}));
+}
+
+/// The map keeps a number of it; the cloud takes a million returns.
+TEST_P(SensorFeedTest, TheTimeOfIntegrationIsThatOfTheMapAlone) {
+  core::SpinEvent event = *SpinAt(1.0, true);
+  const size_t count = 1000000;
+  event.scan.columns = static_cast<int>(count);
+  event.scan.direction_lidar.assign(count, -core::Vec3f::UnitZ());
+  event.scan.range_m.assign(count, 1.0f);
+  event.scan.time_s.assign(count, 0.0f);
+  event.scan.kind.assign(count, core::ReturnKind::kHit);
+  const auto spin = std::make_shared<const core::SpinEvent>(event);
+  const core::Stopwatch adding;
+  mapping::ScanCloud(core::Box3{core::Vec3(-9.0, -9.0, -9.0), core::Vec3(9.0, 9.0, 9.0)}, 20.0, 0.05)
+      .Add(event, core::Pose::Identity());
+  const double cloud_s = adding.seconds();
+  feed.OnState(StateAt(1.0));
+  feed.SetMapping(SensorFeed::Mapping::kScanning);
+  feed.OnSpin(spin);
+  EXPECT_LT(feed.DrainMap().integration_s, 0.2 * cloud_s);
 }
 
 INSTANTIATE_TEST_SUITE_P(InlineAndThreaded, SensorFeedTest, ::testing::Bool());

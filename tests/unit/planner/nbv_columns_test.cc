@@ -80,10 +80,10 @@ TEST(NbvColumns, GainIsSplitByWhatRaysEndOn) {
   for (size_t i = 0; i < decision.candidates.size(); i += 17) {
     const Candidate& c = decision.candidates[i];
     const ViewGain view = Evaluated(c, {"occlusion_aware_normalised"});
-    EXPECT_NEAR(c.gain, view.gain[0], 1e-6 * (1.0 + c.gain));
-    EXPECT_NEAR(c.gain_void, view.by_end[static_cast<size_t>(EndClass::kVoid)], 1e-6 * (1.0 + c.gain));
-    EXPECT_NEAR(c.gain_ground, view.by_end[static_cast<size_t>(EndClass::kGround)], 1e-6 * (1.0 + c.gain));
-    EXPECT_NEAR(c.gain_object, view.by_end[static_cast<size_t>(EndClass::kObject)], 1e-6 * (1.0 + c.gain));
+    EXPECT_NEAR(*c.gain, view.gain[0], 1e-6 * (1.0 + *c.gain));
+    EXPECT_NEAR(c.gain_void, view.by_end[static_cast<size_t>(EndClass::kVoid)], 1e-6 * (1.0 + *c.gain));
+    EXPECT_NEAR(c.gain_ground, view.by_end[static_cast<size_t>(EndClass::kGround)], 1e-6 * (1.0 + *c.gain));
+    EXPECT_NEAR(c.gain_object, view.by_end[static_cast<size_t>(EndClass::kObject)], 1e-6 * (1.0 + *c.gain));
     in_void += c.gain_void;
     on_ground += c.gain_ground;
     on_object += c.gain_object;

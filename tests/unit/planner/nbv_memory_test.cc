@@ -24,12 +24,12 @@ TEST(NbvPlanner, ACommitmentHoldsWhileTheRobotIsOnItsWay) {
   const Candidate& kept = second.candidates[static_cast<size_t>(second.best)];
   const double best_utility = [&] {
     double best = 0.0;
-    for (const Candidate& c : second.candidates) best = std::max(best, c.utility);
+    for (const Candidate& c : second.candidates) best = std::max(best, *c.utility);
     return best;
   }();
   const bool same_place = (kept.p_map - view.p_map).norm() < 0.5;
   EXPECT_TRUE(same_place || kept.utility == best_utility);
-  EXPECT_GE(kept.utility * 1.151, best_utility);
+  EXPECT_GE(*kept.utility * 1.151, best_utility);
 }
 
 /// Of two views that promise alike, the one that the robot set out for; a margin says how much better another
@@ -141,8 +141,8 @@ TEST(NbvPlanner, ViewsAboutABrokenPromiseAreWorthLess) {
     const Candidate &whole = by_distrust[0][i], &doubted = by_distrust[1][i];
     ASSERT_EQ(whole.p_map, doubted.p_map);
     const double trust = 1.0 - std::exp(-(whole.p_map - broken).squaredNorm() / 16.0);
-    EXPECT_NEAR(doubted.worth, whole.worth * trust, 1e-9);
-    less += doubted.worth < 0.5 * whole.worth;
+    EXPECT_NEAR(*doubted.worth, *whole.worth * trust, 1e-9);
+    less += *doubted.worth < 0.5 * *whole.worth;
   }
   EXPECT_GT(less, 5);
 }

@@ -30,10 +30,10 @@ TEST_P(EachPlanner, ChoosesTheBestUtilityAndKeepsWhatDecided) {
   const Candidate& best = decision.candidates[static_cast<size_t>(decision.best)];
   for (const Candidate& c : decision.candidates) {
     chosen += c.reason == LossReason::kChosen;
-    EXPECT_LE(c.utility, best.utility + 1e-12);
+    EXPECT_LE(*c.utility, *best.utility + 1e-12);
     EXPECT_EQ(c.position_cost, std::max(c.visited_cost, c.too_close_cost));
-    EXPECT_NEAR(c.utility, c.worth * (1 - c.position_cost) * (1 - c.traversal_cost), 1e-9 * (1 + c.gain));
-    EXPECT_NEAR(c.gain_void + c.gain_ground + c.gain_object, c.gain, 0.2 * c.gain + 1e-9);
+    EXPECT_NEAR(*c.utility, *c.worth * (1 - c.position_cost) * (1 - c.traversal_cost), 1e-9 * (1 + *c.gain));
+    EXPECT_NEAR(c.gain_void + c.gain_ground + c.gain_object, *c.gain, 0.2 * *c.gain + 1e-9);
   }
   EXPECT_EQ(chosen, 1);
   EXPECT_EQ(decision.path_map.front(), Vec2(0.0, -3.0));
@@ -71,6 +71,9 @@ TEST_P(EachPlanner, NoGroundToStandOnIsATurnThenNoCandidatesAndNeverComplete) {
   ASSERT_EQ(turn.outcome, "view");
   EXPECT_EQ(turn.path_map, std::vector<Vec2>{Vec2(0.0, -3.0)});
   EXPECT_NEAR(turn.candidates[0].yaw_rad, 0.5 * core::kPi, 1e-12);
+  EXPECT_NEAR(turn.candidates[0].ground_m, 0.0, 1e-12) << "under a base 0.44 m above it";
+  EXPECT_FALSE(turn.candidates[0].gain || turn.candidates[0].utility) << "no view was predicted";
+  EXPECT_EQ(turn.views_predicted, 0u);
   for (int i = 0; i < 8; ++i) {
     planner->OnSweep(kStandAtObject, 0);
     EXPECT_EQ(planner->Plan(kStandAtObject, map, ground).outcome, "no_candidates");
@@ -93,6 +96,31 @@ TEST(NbvPlanner, SweepsThatBringNothingEndAGreedyMission) {
     outcome = planner->Plan(kStandAtObject, map, ground).outcome;
   }
   EXPECT_EQ(outcome, "surface_flat") << "views still promise";
+}
+
+/// What an object's mission calls gain_exhausted is a space explored; no other ending is.
+TEST(NbvPlanner, OnlyASpaceThatPromisesNoMoreIsExplored) {
+  const auto ground = GroundAboutObject(Vec2(0.0, -3.0));
+  const auto stand = [] {
+    PlannerStand planner(SmallPlanner("greedy"), PlannerSetup{.robot = tests::SmallRobot(),
+                                                              .goal = WholeSpace{kSideMappedBox},
+                                                              .kept_map = kSideMappedBox.Inflated(0.5),
+                                                              .terrain = {},
+                                                              .threads = 1,
+                                                              .rng = core::Rng(1)});
+    planner.OnSweep(kStandAtObject, 500);
+    return planner;
+  };
+  PlannerStand seen = stand();
+  EXPECT_EQ(seen.Plan(kStandAtObject, NearSideMapped(0.12), ground).outcome, "explored");
+  PlannerStand flat = stand();
+  const auto unseen = NearSideMapped();
+  std::string outcome = flat.Plan(kStandAtObject, unseen, ground).outcome;
+  for (int i = 0; i < 6 && outcome == "view"; ++i) {
+    flat.OnSweep(kStandAtObject, 0);
+    outcome = flat.Plan(kStandAtObject, unseen, ground).outcome;
+  }
+  EXPECT_EQ(outcome, "surface_flat");
 }
 
 TEST_P(EachPlanner, AnObjectBeyondPredictionIsWalkedTowardsAndNeverCompleteUnseen) {
@@ -137,7 +165,7 @@ TEST(ThesisPlanner, TakesTheGreatestUtilityUntilItFallsBelowTheThreshold) {
     planner->OnSweep(kStandAtObject, i == 0 ? 500 : 0);
     const PlanResult decision = planner->Plan(kStandAtObject, map, ground);
     ASSERT_EQ(decision.outcome, "view") << "neither flat sweeps nor broken promises end or bend it";
-    best_utility = decision.candidates[static_cast<size_t>(decision.best)].utility;
+    best_utility = decision.candidates[static_cast<size_t>(decision.best)].utility.value();
     for (const Candidate& c : decision.candidates) {
       EXPECT_LE(c.utility, best_utility);
       EXPECT_NE(c.reason, LossReason::kBlacklisted);
@@ -191,14 +219,14 @@ TEST(NbvPlanner, AMissionIsNotCompleteWhileMoreIsPromisedBehindAGapTooNarrow) {
     params.Set("gain", gain);
     const PlanResult unseen = EndBehindANarrowGap(NearSideMapped(), params);
     EXPECT_EQ(unseen.outcome, "blocked_narrow") << gain;
-    ASSERT_EQ(unseen.blocked.size(), 1u) << gain;
-    EXPECT_LT((unseen.blocked[0].p_map - Vec2(-1.6, 0.1)).norm(), 0.2);
+    ASSERT_EQ(unseen.blocked->size(), 1u) << gain;
+    EXPECT_LT((unseen.blocked->at(0).p_map - Vec2(-1.6, 0.1)).norm(), 0.2);
     // In shares of the best view's surface, whichever gain is asked for besides.
-    EXPECT_GE(unseen.blocked[0].worth_share.value(), 0.2) << gain;
-    EXPECT_LT(unseen.blocked[0].worth_share.value(), 5.0) << gain;
+    EXPECT_GE(unseen.blocked->at(0).worth_share.value(), 0.2) << gain;
+    EXPECT_LT(unseen.blocked->at(0).worth_share.value(), 5.0) << gain;
     const PlanResult known = EndBehindANarrowGap(NearSideMapped(0.12), params);
     EXPECT_EQ(known.outcome, "gain_exhausted") << gain;
-    EXPECT_EQ(known.blocked.at(0).worth_share, 0.0) << gain;
+    EXPECT_EQ(known.blocked->at(0).worth_share, 0.0) << gain;
   }
 }
 
@@ -216,7 +244,7 @@ TEST(NbvPlanner, PlacesFarFromEveryScanAreLookedAtBeforeItIsExhausted) {
   ASSERT_EQ(far.outcome, "view");
   for (const Candidate& c : far.candidates) {
     const double beyond = std::max(0.0, 1.0 - 5.0 / (c.p_map - Vec2(0.0, -3.0)).norm());
-    EXPECT_NEAR(c.worth, 2.0 * beyond, 1e-12) << "nothing is unknown";
+    EXPECT_NEAR(*c.worth, 2.0 * beyond, 1e-12) << "nothing is unknown";
   }
   for (const Vec2& p : {Vec2(-4, -7), Vec2(4, -7), Vec2(-4, 1), Vec2(4, 1), Vec2(0, 2)}) {
     planner->OnSweep(core::PoseFromXyzYaw(Vec3(p.x(), p.y(), 0.44), 0.0), 100);
@@ -242,6 +270,16 @@ TEST(NbvPlanner, WhereNothingIsPromisedAnyMoreSomeRoundsGoWhereNoScanWasYet) {
     planner->OnSweep(core::PoseFromXyzYaw(Vec3(view.p_map.x(), view.p_map.y(), 0.44), 0.0), 500);
   }
   EXPECT_EQ(planner->Plan(kStandAtObject, known, ground).outcome, "gain_exhausted");
+}
+
+TEST(NbvPlanner, TheElevationMapHoldsAsMuchAsIsPlannedInUnlessTold) {
+  const auto terrain_m = [](const std::map<std::string, std::string>& values) {
+    return PlannerSettings{.name = "greedy", .values = values}.Load().terrain.window_m;
+  };
+  EXPECT_EQ(terrain_m({}), 16.0);
+  EXPECT_EQ(terrain_m({{"window_m", "20"}}), 20.0);
+  EXPECT_EQ(terrain_m({{"window_m", "7"}}), 16.0) << "feet look farther";
+  EXPECT_EQ(terrain_m({{"window_m", "20"}, {"terrain.window_m", "10"}}), 10.0);
 }
 
 TEST(NbvPlanner, UnknownNamesAreRefused) {
