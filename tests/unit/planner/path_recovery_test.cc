@@ -43,6 +43,23 @@ TEST(Recovery, TheRobotGoesBackTheWayItCameAndLooksAlongIt) {
   EXPECT_NEAR(back->yaw_rad, core::kPi, 1e-12) << "from (2, 0) to (0, 0)";
 }
 
+TEST(Recovery, TheWayBackMovesWithTheKeyframeThatItWasPlannedFrom) {
+  const core::Pose before = core::PoseFromXyzYaw({1.0, 2.0, 0.0}, 0.4),
+                   after = core::PoseFromXyzYaw({-2.0, 0.5, 0.0}, 1.9);
+  const core::Pose T = after * before.inverse();
+  Recovery recovery;
+  recovery.SetOut(tests::OnFloor(kWay), tests::MovedKeyframes({before}));
+  const auto moved = [&](const Vec2& p) -> Vec2 { return (T * Vec3(p.x(), p.y(), 0.0)).head<2>(); };
+  const Vec2 here = moved(kWay.back());
+  const auto back = recovery.Next(At(here, 0.0), tests::FlatGround(), tests::MovedKeyframes({after}, 1));
+  ASSERT_TRUE(back);
+  ASSERT_EQ(back->path_map.size(), kWay.size());
+  for (size_t i = 0; i < kWay.size(); ++i) {
+    EXPECT_LT((back->path_map[i] - moved(kWay[kWay.size() - 1 - i])).norm(), 1e-9) << i;
+  }
+  EXPECT_NEAR(core::WrapAngle(back->yaw_rad - core::kPi - 1.5), 0.0, 1e-9) << "turned as the map was";
+}
+
 TEST(Recovery, OnlyOnItsWayIsThereAWayBack) {
   for (const double off_m : {0.49, 0.51}) {
     Recovery recovery;

@@ -161,6 +161,31 @@ TEST(Roadmap, JoinsNewPlacesToThoseThatACorrectionMovedOffTheLattice) {
   }
 }
 
+/// Two rows of places that no step joins, until a correction lays the end of one on the beginning of the
+/// other.
+TEST(Roadmap, PlacesThatACorrectionBringsTogetherAreOneWay) {
+  const core::Pose first = core::Pose::Identity(), second = core::PoseFromXyzYaw({20.0, 0.0, 0.0}, 0.0),
+                   second_moved = core::PoseFromXyzYaw({10.0, 0.0, 0.0}, 0.0);
+  CandidateTree here, there;
+  for (int i = 0; i < 3; ++i) {
+    here.nodes.push_back({Vec2(0.5 * i, 0.0), i - 1, 0.5 * i, 0.0});
+    there.nodes.push_back({Vec2(11.0 + 0.5 * i, 0.0), i - 1, 0.5 * i, 0.0});
+  }
+  for (const bool corrected : {false, true}) {
+    Roadmap roadmap;
+    roadmap.Learn(here, tests::MovedKeyframes({first}));
+    roadmap.Learn(there, tests::MovedKeyframes({first, second}));
+    if (corrected) roadmap.Correct(tests::MovedKeyframes({first, second_moved}, 1));
+    CandidateTree tree;
+    tree.nodes.push_back({Vec2(0.0, 0.0), -1, 0.0, 0.0});
+    roadmap.Extend(&tree);
+    double farthest_m = 0.0;
+    for (const CandidateNode& node : tree.nodes) farthest_m = std::max(farthest_m, node.p_map.x());
+    EXPECT_NEAR(farthest_m, corrected ? 2.0 : 1.0, 1e-9);
+    EXPECT_NEAR(tree.nodes.back().path_length_m, corrected ? 2.0 : 1.0, 1e-9);
+  }
+}
+
 /// A lower floor, a ramp beside it, and an upper floor right above: places at the same (x, y), 3 m apart.
 CandidateTree UpTheRamp() {
   CandidateTree tree;
