@@ -38,7 +38,8 @@ std::string VariantBesideMapper(const RunGroup& group) {
 
 /// What pairs of runs differ in, a value a pair.
 struct Differences {
-  std::vector<double> at_end, at_equal_scans, scans, integration, nbv;
+  std::vector<double> at_end, at_equal_scans, scans;
+  std::array<std::vector<double>, kPairRatios.size()> ratios;
 
   static void AddRatio(std::optional<double> a, std::optional<double> b, std::vector<double>* to) {
     if (a && b && *b > 0.0) to->push_back(*a / *b);
@@ -49,9 +50,10 @@ struct Differences {
     at_end.push_back(100.0 * (a.back() - b.back()));
     at_equal_scans.push_back(100.0 * (a[both - 1] - b[both - 1]));
     scans.push_back(static_cast<double>(a.size()) - static_cast<double>(b.size()));
-    AddRatio(atlas.summary.Number("integration_ms_mean"), other.summary.Number("integration_ms_mean"),
-             &integration);
-    AddRatio(atlas.summary.Number("nbv_time_s_mean"), other.summary.Number("nbv_time_s_mean"), &nbv);
+    for (size_t k = 0; k < ratios.size(); ++k) {
+      const std::string number = kPairRatios[k].number;
+      AddRatio(atlas.summary.Number(number), other.summary.Number(number), &ratios[k]);
+    }
   }
 };
 
@@ -76,11 +78,12 @@ std::string Ratio(const std::vector<double>& values) {
 }  // namespace
 
 TextTable MapperPairsTable(const std::vector<RunGroup>& groups) {
-  TextTable table{{"object", "gain", "planner", "against", "pairs", "c_p at the end", "after equal scans",
-                   "scans", "integration", "t_nbv"},
-                  {true, true, true, true},
-                  {},
-                  {}};
+  TextTable table{
+      {"object", "gain", "planner", "against", "pairs", "c_p at the end", "after equal scans", "scans"},
+      {true, true, true, true},
+      {},
+      {}};
+  for (const PairRatio& ratio : kPairRatios) table.heading.emplace_back(ratio.heading);
   table.left.resize(table.heading.size(), false);
   std::vector<RunGroup> shown;
   for (const RunGroup& atlas : groups) {
@@ -92,8 +95,8 @@ TextTable MapperPairsTable(const std::vector<RunGroup>& groups) {
       table.rows.push_back({atlas.object, atlas.gain,
                             variant.empty() ? atlas.planner : atlas.planner + " " + variant, MapperOf(other),
                             fmt::format("{}", pairs.at_end.size()), Signed(pairs.at_end, 2),
-                            Signed(pairs.at_equal_scans, 2), Signed(pairs.scans, 1), Ratio(pairs.integration),
-                            Ratio(pairs.nbv)});
+                            Signed(pairs.at_equal_scans, 2), Signed(pairs.scans, 1)});
+      for (const auto& ratios : pairs.ratios) table.rows.back().push_back(Ratio(ratios));
       for (const RunGroup* group : {&atlas, &other}) shown.push_back(*group);
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "experiments/judge/metric.h"
 #include "experiments/report/tables.h"
 
 namespace atlas::experiments {
@@ -53,63 +54,77 @@ std::string StatusOf(const RunGroup& group) {
 
 using Use = Column::Use;
 
+/// A number's meaning as its metric declares it.
+std::string MeaningOf(const std::string& number) {
+  for (const core::Column& column : SummaryColumns()) {
+    if (column.name == number) return column.meaning;
+  }
+  return "";
+}
+
 std::vector<Column> WhoRan() {
-  return {{"object", "", true, Use::kAlways, [](const RunGroup& g) { return g.object; },
+  using Group = const RunGroup&;
+  using Number = const std::string&;
+  return {{"object", "", true, Use::kAlways, "", [](Group g, Number) { return g.object; },
            [](const ThesisRow& t) { return fmt::format("  thesis, Table {}", t.table); }},
-          {"gain", "", true, Use::kAlways, [](const RunGroup& g) { return g.gain; },
+          {"gain", "", true, Use::kAlways, "", [](Group g, Number) { return g.gain; },
            [](const ThesisRow& t) { return std::string(t.gain); }},
-          {"planner", "", true, Use::kAlways, [](const RunGroup& g) { return g.Method(); }}};
+          {"planner", "", true, Use::kAlways, "", [](Group g, Number) { return g.Method(); }}};
 }
 
 std::vector<Column> Coverages() {
-  return {{"c_p %", "coverage, thesis Eq. 3.9 (aligned)", false, Use::kAlways,
-           [](const RunGroup& g) { return Interval(g, "coverage", 100.0, 2); },
+  const auto percent = [](const RunGroup& g, const std::string& n) { return Interval(g, n, 100.0, 2); };
+  const auto millimetres = [](const RunGroup& g, const std::string& n) { return Interval(g, n, 1e3, 1); };
+  return {{"c_p %", "coverage, thesis Eq. 3.9 (aligned)", false, Use::kAlways, "coverage", percent,
            [](const ThesisRow& t) { return fmt::format("{:.2f}", t.coverage_percent); }},
           {"c_outer %", "as c_p, by returns from the outer side of the surface only", false,
-           Use::kWhereMeasured, [](const RunGroup& g) { return Interval(g, "coverage_outer", 100.0, 2); }},
+           Use::kWhereMeasured, "coverage_outer", percent},
           {"attainable %", "the ceiling of c_outer: sweeps from all reachable poses, noise-free", false,
-           Use::kAlways, [](const RunGroup& g) { return Mean(g, "coverage_attainable", 100.0, 1); }},
-          {"of attainable %", "", false, Use::kAlways,
-           [](const RunGroup& g) { return Interval(g, "coverage_of_attainable", 100.0, 2); }},
-          {"error mm", "of the cloud, mean distance to the true surface", false, Use::kWhereMeasured,
-           [](const RunGroup& g) { return Interval(g, "cloud_error_m_mean", 1e3, 1); }},
-          {"p95 mm", "95 % of the cloud err by less", false, Use::kWhereMeasured,
-           [](const RunGroup& g) { return Interval(g, "cloud_error_m_p95", 1e3, 1); }},
-          {"explored m3", "known volume of what can be reached", false, Use::kWhereMeasured,
-           [](const RunGroup& g) { return Interval(g, "explored_volume_m3", 1.0, 1); }},
-          {"of attainable m3 %", "", false, Use::kWhereMeasured,
-           [](const RunGroup& g) { return Interval(g, "explored_of_attainable", 100.0, 2); }}};
+           Use::kAlways, "coverage_attainable",
+           [](const RunGroup& g, const std::string& n) { return Mean(g, n, 100.0, 1); }},
+          {"of attainable %", "", false, Use::kAlways, "coverage_of_attainable", percent},
+          {"error mm", MeaningOf("cloud_error_m_mean"), false, Use::kWhereMeasured, "cloud_error_m_mean",
+           millimetres},
+          {"p95 mm", MeaningOf("cloud_error_m_p95"), false, Use::kWhereMeasured, "cloud_error_m_p95",
+           millimetres},
+          {"explored m3", MeaningOf("explored_volume_m3"), false, Use::kWhereMeasured, "explored_volume_m3",
+           [](const RunGroup& g, const std::string& n) { return Interval(g, n, 1.0, 1); }},
+          {"of attainable m3 %", "", false, Use::kWhereMeasured, "explored_of_attainable", percent}};
 }
 
 std::vector<Column> Efforts() {
+  using Group = const RunGroup&;
+  using Number = const std::string&;
   return {
-      {"d_t m", "distance walked", false, Use::kAlways,
-       [](const RunGroup& g) { return Interval(g, "travel_distance_m", 1.0, 2); },
+      {"d_t m", "distance walked", false, Use::kAlways, "travel_distance_m",
+       [](Group g, Number n) { return Interval(g, n, 1.0, 2); },
        [](const ThesisRow& t) { return fmt::format("{:.2f}", t.travel_distance_m); }},
-      {"n_s", "scans", false, Use::kAlways,
-       [](const RunGroup& g) { return Interval(g, "scans", 1.0, g.runs.size() > 1 ? 1 : 0); },
+      {"n_s", "scans", false, Use::kAlways, "scans",
+       [](Group g, Number n) { return Interval(g, n, 1.0, g.runs.size() > 1 ? 1 : 0); },
        [](const ThesisRow& t) { return fmt::format("{}", t.scans); }},
-      {"t_all", "simulated time", false, Use::kAlways,
-       [](const RunGroup& g) { return MeanWithInterval(g.Over("sim_time_s"), MinutesSeconds); },
+      {"t_all", "simulated time", false, Use::kAlways, "sim_time_s",
+       [](Group g, Number n) { return MeanWithInterval(g.Over(n), MinutesSeconds); },
        [](const ThesisRow& t) { return MinutesSeconds(t.time_s); }},
-      {"t_nbv s", "wall time a decision", false, Use::kAlways,
-       [](const RunGroup& g) { return Interval(g, "nbv_time_s_mean", 1.0, 2); },
+      {"t_nbv s", "wall time a decision", false, Use::kAlways, "nbv_time_s_mean",
+       [](Group g, Number n) { return Interval(g, n, 1.0, 2); },
        [](const ThesisRow& t) { return fmt::format("{:.2f}", t.nbv_time_s); }},
-      {"RTF", "simulated over wall time", false, Use::kAlways,
-       [](const RunGroup& g) { return Interval(g, "real_time_factor", 1.0, 1); }},
+      {"RTF", MeaningOf("real_time_factor"), false, Use::kAlways, "real_time_factor",
+       [](Group g, Number n) { return Interval(g, n, 1.0, 1); }},
   };
 }
 
 std::vector<Column> Endings() {
+  using Group = const RunGroup&;
+  using Number = const std::string&;
   return {
-      {"falls", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, "falls"); }},
-      {"collisions", "", false, Use::kAlways, [](const RunGroup& g) { return Total(g, "collisions"); }},
-      {"drop cm", "greatest depth of a touch-down below its planned foothold", false, Use::kWhereMeasured,
-       [](const RunGroup& g) { return Worst(g, "worst_foot_drop_m", 100.0, 1); }},
-      {"runs", "", false, Use::kGroups, [](const RunGroup& g) { return fmt::format("{}", g.runs.size()); }},
-      {"seed", "", false, Use::kRuns,
-       [](const RunGroup& g) { return fmt::format("{}", g.runs.front().summary.seed); }},
-      {"status", "", true, Use::kAlways, StatusOf}};
+      {"falls", "", false, Use::kAlways, "falls", Total},
+      {"collisions", "", false, Use::kAlways, "collisions", Total},
+      {"drop cm", MeaningOf("worst_foot_drop_m"), false, Use::kWhereMeasured, "worst_foot_drop_m",
+       [](Group g, Number n) { return Worst(g, n, 100.0, 1); }},
+      {"runs", "", false, Use::kGroups, "", [](Group g, Number) { return fmt::format("{}", g.runs.size()); }},
+      {"seed", "", false, Use::kRuns, "",
+       [](Group g, Number) { return fmt::format("{}", g.runs.front().summary.seed); }},
+      {"status", "", true, Use::kAlways, "", [](Group g, Number) { return StatusOf(g); }}};
 }
 
 }  // namespace

@@ -19,8 +19,11 @@ struct Column {
   std::string meaning;  ///< for the line of terms; empty where the heading says it
   bool left = false;
   Use use = Use::kAlways;
-  std::string (*of_group)(const RunGroup& group) = nullptr;
+  std::string number;  ///< the key of summary.json that it shows; empty where it shows none
+  std::string (*of_group)(const RunGroup& group, const std::string& number) = nullptr;
   std::string (*of_thesis)(const ThesisRow& row) = nullptr;  ///< null: the thesis has no such number
+
+  std::string Of(const RunGroup& group) const { return of_group(group, number); }
 };
 const std::vector<Column>& TableColumns();
 

@@ -21,7 +21,7 @@ struct Row {
 };
 
 std::string CellOf(const Row& row, const Column& column) {
-  if (!row.thesis) return column.of_group(*row.group);
+  if (!row.thesis) return column.Of(*row.group);
   return column.of_thesis == nullptr ? "" : column.of_thesis(*row.thesis);
 }
 
@@ -31,7 +31,7 @@ std::vector<const Column*> ColumnsFor(const std::vector<Row>& rows, Use kind) {
   for (const Column& column : TableColumns()) {
     const bool of_a_kind = column.use == Use::kGroups || column.use == Use::kRuns;
     const bool measured = std::any_of(rows.begin(), rows.end(), [&](const Row& row) {
-      return row.group != nullptr && column.of_group(*row.group) != kNotMeasured;
+      return row.group != nullptr && column.Of(*row.group) != kNotMeasured;
     });
     if (of_a_kind ? column.use == kind : column.use == Use::kAlways || measured) columns.push_back(&column);
   }

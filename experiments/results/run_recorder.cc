@@ -20,23 +20,19 @@ std::string TumLine(double time_s, const core::Pose& T) {
 }
 
 std::string CoveragePicture(const std::vector<core::Row>& steps, const RunSummary& summary) {
-  PlotSeries aligned{.label = "coverage (Eq. 3.9)"}, outer{.label = "from the outer side"},
-      share{.label = "share of the attainable"};
-  PlotSeries ceiling{.label = "attainable", .dashed = true, .markers = false};
-  const auto plot = [](const core::Row& step, const char* column, PlotSeries* curve) {
-    const auto share = step.Number(column);
-    if (!share) return;
-    curve->x.push_back(step.Number("scan").value_or(0.0));
-    curve->y.push_back(100.0 * *share);
-  };
-  for (const core::Row& step : steps) {
-    plot(step, "coverage", &aligned);
-    plot(step, "coverage_outer", &outer);
-    plot(step, "coverage_of_attainable", &share);
+  std::vector<PlotSeries> series;
+  for (const PictureCurve& curve : kPictureCurves) {
+    PlotSeries drawn{.label = curve.label};
+    for (const core::Row& step : steps) {
+      const auto share = step.Number(curve.column);
+      if (!share) continue;
+      drawn.x.push_back(step.Number("scan").value_or(0.0));
+      drawn.y.push_back(100.0 * *share);
+    }
+    if (!drawn.x.empty() || steps.empty()) series.push_back(std::move(drawn));
   }
-  std::vector<PlotSeries> series = {aligned, outer};
-  if (!share.x.empty()) series.push_back(share);
-  if (const auto most = summary.Number("coverage_attainable"); most && !steps.empty()) {
+  if (const auto most = summary.Number(kPictureCeiling.column); most && !steps.empty()) {
+    PlotSeries ceiling{.label = kPictureCeiling.label, .dashed = true, .markers = false};
     ceiling.x = {1.0, static_cast<double>(std::max<size_t>(steps.size(), 2))};
     ceiling.y = {100.0 * *most, 100.0 * *most};
     series.push_back(ceiling);

@@ -6,6 +6,7 @@
 // timings.csv.
 #pragma once
 
+#include <array>
 #include <exception>
 #include <filesystem>
 #include <optional>
@@ -23,6 +24,18 @@ namespace atlas::experiments {
 struct RunColumns {
   std::vector<core::Column> steps, times;
 };
+
+/// A curve of coverage.svg: a column of steps.csv over `scan`.
+struct PictureCurve {
+  const char* column;
+  const char* label;
+};
+inline constexpr std::array<PictureCurve, 3> kPictureCurves = {
+    {{"coverage", "coverage (Eq. 3.9)"},
+     {"coverage_outer", "from the outer side"},
+     {"coverage_of_attainable", "share of the attainable"}}};
+/// The level line there: a number of summary.json.
+inline constexpr PictureCurve kPictureCeiling = {"coverage_attainable", "attainable"};
 
 class RunRecorder {
  public:

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 
 #include "core/errors.h"
 #include "core/files.h"
@@ -40,6 +41,8 @@ void Put(Json* json, const std::string& key, const core::Cell& cell) {
     (*json)[key] = *count;
   } else if (const auto* flag = std::get_if<bool>(&cell)) {
     (*json)[key] = *flag;
+  } else if (std::holds_alternative<std::string>(cell)) {
+    throw std::logic_error("summary.json: " + key + ": a metric's word, which no reader takes");
   }
 }
 

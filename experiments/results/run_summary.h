@@ -70,7 +70,8 @@ struct RunSummary {
   }
 };
 
-/// summary.json as text: words, then numbers in the order in which they were set.
+/// summary.json as text: words, then numbers in the order in which they were set. @pre `numbers` holds no
+/// words; they throw std::logic_error.
 std::string ToJson(const RunSummary& summary);
 /// @param origin the file's name, for messages. @throws InputError for malformed JSON, a missing
 /// `experiment`, `status` or `stop_reason`, an unknown one of these two or a value of the wrong type.

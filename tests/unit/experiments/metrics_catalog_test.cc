@@ -4,6 +4,9 @@
 #include <set>
 
 #include "experiments/judge/metric.h"
+#include "experiments/report/mapper_pairs.h"
+#include "experiments/report/table_columns.h"
+#include "experiments/results/run_recorder.h"
 
 namespace atlas::experiments {
 namespace {
@@ -21,6 +24,7 @@ JudgedScan Scan(int number, double share) {
   scan.times.nbv_time_s = 0.2 * number;
   scan.times.integration_ms = 20.0 * number - 10.0;
   scan.log.candidates.resize(4);
+  scan.log.views_predicted = 4;
   return scan;
 }
 
@@ -99,6 +103,31 @@ TEST(Metrics, WhatWasNotMeasuredIsNotWritten) {
     EXPECT_FALSE(fed.summary.Number(key).has_value()) << key;
     EXPECT_FALSE(fed.steps.front().Number(key).has_value()) << key;
   }
+}
+
+TEST(Metrics, DeclareEveryNumberThatTablesPairsAndPicturesShow) {
+  const std::set<std::string> summary = Names(SummaryColumns()), steps = Names(StepColumns());
+  int shown = 0;
+  for (const Column& column : TableColumns()) {
+    if (column.number.empty()) continue;
+    EXPECT_TRUE(summary.contains(column.number)) << column.heading << " shows " << column.number;
+    ++shown;
+  }
+  EXPECT_GT(shown, 10);
+  for (const PairRatio& ratio : kPairRatios) EXPECT_TRUE(summary.contains(ratio.number)) << ratio.number;
+  for (const PictureCurve& curve : kPictureCurves) EXPECT_TRUE(steps.contains(curve.column)) << curve.column;
+  EXPECT_TRUE(summary.contains(kPictureCeiling.column));
+}
+
+/// What declares a number as a table's words mean it is what the table says.
+TEST(Metrics, LendTablesTheirMeanings) {
+  int lent = 0;
+  for (const Column& column : TableColumns()) {
+    for (const core::Column& declared : SummaryColumns()) {
+      lent += column.number == declared.name && column.meaning == declared.meaning;
+    }
+  }
+  EXPECT_GE(lent, 5);
 }
 
 }  // namespace

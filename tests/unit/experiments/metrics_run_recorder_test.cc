@@ -128,6 +128,12 @@ TEST_F(RunRecorderTest, WordsComeFirstThenNumbersInTheirOrderCountsWhole) {
   EXPECT_EQ(json["coverage"].get<double>(), 0.123457);
 }
 
+TEST_F(RunRecorderTest, AWordAmongTheNumbersIsNotDroppedInSilence) {
+  RunSummary s = identity_;
+  s.numbers.Set("verdict", "good");
+  EXPECT_THROW(ToJson(s), std::logic_error);
+}
+
 TEST_F(RunRecorderTest, CurveReadsBackWhatWasWritten) {
   RunRecorder recorder(folder_, identity_, Columns());
   recorder.AddStep(Step(1, 0.4), {});
@@ -152,6 +158,33 @@ TEST_F(RunRecorderTest, EveryCandidateIsARowWithItsReason) {
   EXPECT_NE(csv.find(",reason,gain_unknown_volume\n"), std::string::npos);
   EXPECT_NE(csv.find(",chosen,\n"), std::string::npos);
   EXPECT_NE(csv.find(",lower_utility,1.5\n"), std::string::npos);
+}
+
+TEST_F(RunRecorderTest, WhatAPlannerComputedOfACandidateStandsInItsColumn) {
+  RunRecorder recorder(folder_, identity_, Columns());
+  planner::DecisionLog decision;
+  planner::Candidate& c = decision.candidates.emplace_back();
+  c.gain = 1.0;
+  c.gain_void = 2.0;
+  c.gain_ground = 3.0;
+  c.gain_object = 4.0;
+  decision.candidates.push_back(c);
+  planner::Candidate& charged = decision.candidates.back();
+  charged.surface_m2 = 5.0;
+  charged.worth = 6.0;
+  charged.visited_cost = 0.1;
+  charged.too_close_cost = 0.2;
+  charged.position_cost = 0.3;
+  charged.traversal_cost = 0.4;
+  charged.utility = 7.0;
+  recorder.AddDecision(1, decision, {});
+  recorder.AddStep(Step(1, 0.1), {});
+  const std::string csv = core::ReadFile(folder_ / "candidates.csv");
+  EXPECT_NE(csv.find("gain,gain_void,gain_ground,gain_object,surface_m2,worth,visited_cost,too_close_cost,"
+                     "position_cost,traversal_cost,utility,reason\n"),
+            std::string::npos);
+  EXPECT_NE(csv.find(",1,2,3,4,,,,,,,,lower_utility\n"), std::string::npos) << csv;
+  EXPECT_NE(csv.find(",1,2,3,4,5,6,0.1000,0.2000,0.3000,0.4000,7,lower_utility\n"), std::string::npos) << csv;
 }
 
 TEST_F(RunRecorderTest, TrajectoriesAreTumLines) {
