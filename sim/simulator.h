@@ -117,7 +117,8 @@ class Simulator {
   /// Why the depth camera that was asked for does not work, one line; empty where it does.
   virtual std::string render_problem() const { return ""; }
 
-  // Ground truth, for experiments/metrics and video only.
+  // Ground truth: for what judges a run (experiments/judge), for what films it (experiments/video) and for
+  // the localiser `truth` only.
   virtual core::Pose TrueBasePose() const = 0;
   virtual Snapshot TrueState() const = 0;
   /// `observer` hears the state at `rate_hz` from now on, beside those added before.

@@ -25,7 +25,7 @@ struct ChosenView {
 /// The map and the plan from `time_s` on, until the next keyframe.
 struct VideoKeyframe {
   double time_s = 0.0;
-  std::vector<core::Vec3f> occupied_map;  ///< voxel centres (MapView::OccupiedCenters)
+  std::vector<core::Vec3f> occupied_map;  ///< voxel centres (mapping::OccupiedCenters)
   std::vector<core::Vec2> path_map;       ///< planned; may be empty
   std::optional<ChosenView> view;
 };

@@ -1,33 +1,48 @@
 // Unmeasured voxels behind hits, for the proximity count gain: a sparse layer beside a map.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "mapping/cloud/undistort.h"
+#include "mapping/grid/dense_grid.h"
 #include "mapping/octree/morton.h"
 
 namespace atlas::mapping {
 
+/// Calls visit(p_map, value) for the points that lie delta steps of a voxel behind a hit, delta = 1 .. D / 2,
+/// nearest first, with D - delta (Isler 2016; D = 2 depth / resolution), at most kMostBehind; while `visit`
+/// returns true.
+template <typename Visit>
+void ForEachBehind(const core::Vec3& end_map, const core::Vec3& direction_map, double resolution_m,
+                   double depth_m, const Visit& visit) {
+  const int depth = static_cast<int>(std::round(depth_m / resolution_m));
+  for (int delta = 1; delta <= depth; ++delta) {
+    const core::Vec3 p_map = end_map + delta * resolution_m * direction_map;
+    if (!visit(p_map, std::min(2 * depth - delta, DenseGrid::kMostBehind))) return;
+  }
+}
+
+/// By voxel.
 class BehindSurface {
  public:
   using Block = std::array<uint8_t, kBlockVoxels>;  ///< by VoxelIndex; 0 where nothing lies before
 
   BehindSurface(double resolution_m, double depth_m);
 
-  /// Marks the voxels that lie delta steps behind each hit, up to the depth, with D - delta (Isler 2016; D =
-  /// 2 depth / resolution); the greatest stays. Once a revolution for each voxel that was hit, by its first
-  /// ray.
+  /// Marks the voxels behind each hit; the greatest value stays. Once a revolution for each voxel that was
+  /// hit, by its first ray.
   void Mark(const UndistortedSpin& spin, double max_range_m);
   /// The block of a voxel, or null.
   const Block* Find(const NodeKey& voxel) const;
   size_t Bytes() const { return blocks_.size() * (sizeof(Block) + 4 * sizeof(void*)); }
 
  private:
-  double resolution_m_;
-  int depth_;  ///< voxels
+  double resolution_m_, depth_m_;
   std::unordered_map<uint64_t, Block> blocks_;
   std::unordered_set<uint64_t> hit_;  ///< voxels of one revolution
 };

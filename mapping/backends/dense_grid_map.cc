@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "mapping/backends/behind_surface.h"
 #include "mapping/cloud/undistort.h"
 #include "mapping/copy_on_write.h"
 #include "mapping/grid/dense_grid.h"
@@ -105,14 +106,13 @@ class DenseGridMap final : public Map {
     }
   }
 
-  /// The voxels that lie delta steps behind a hit, with D - delta (Isler 2016; D = 2 depth / resolution).
   void MarkBehind(const Vec3& end, const Vec3& direction, DenseGrid* grid) const {
-    const int depth = static_cast<int>(std::round(params_.behind_surface_m / params_.resolution_m));
-    for (int delta = 1; delta <= depth; ++delta) {
-      const int64_t index = frame().IndexAt(end + delta * params_.resolution_m * direction);
-      if (index < 0) return;
-      grid->SetBehindSurface(static_cast<size_t>(index), 2 * depth - delta);
-    }
+    ForEachBehind(end, direction, params_.resolution_m, params_.behind_surface_m,
+                  [&](const Vec3& p_map, int value) {
+                    const int64_t index = frame().IndexAt(p_map);
+                    if (index >= 0) grid->SetBehindSurface(static_cast<size_t>(index), value);
+                    return index >= 0;
+                  });
   }
 
   void MarkFree(const UndistortedSpin& spin) {

@@ -195,7 +195,7 @@ uint8_t DenseGrid::CodeOf(float log_odds) {
 
 void DenseGrid::SetBehindSurface(size_t index, int value) {
   if (Measured(index)) return;
-  code_[index] = static_cast<uint8_t>(std::max<int>(code_[index], std::min(value, kFirstMeasured - 1)));
+  code_[index] = static_cast<uint8_t>(std::max<int>(code_[index], value));
 }
 
 CellState DenseGrid::StateAt(const Vec3& p_map) const {

@@ -53,6 +53,7 @@ class DenseGrid : public MapView {
  public:
   /// Steps in which log-odds are held.
   static constexpr double kLogOddsStep = 0.05;
+  static constexpr int kMostBehind = 31;  ///< voxels, of what lies behind a surface
 
   /// States are those of OctoMap's probabilities.
   DenseGrid(const core::Box3& region, double resolution_m);
@@ -64,6 +65,7 @@ class DenseGrid : public MapView {
   static uint8_t CodeOf(float log_odds);
   void SetCode(size_t index, uint8_t code) { code_[index] = code; }
   /// Marks an unmeasured voxel as lying behind a surface; the greatest value stays. No effect once measured.
+  /// @pre 0 < value <= kMostBehind.
   void SetBehindSurface(size_t index, int value);
   bool Measured(size_t index) const { return code_[index] >= kFirstMeasured; }
   bool Occupied(size_t index) const { return IsOccupiedCode(code_[index]); }
@@ -81,7 +83,7 @@ class DenseGrid : public MapView {
 
  private:
   // Codes: 0 unmeasured; 1..31 unmeasured, that many behind a surface; 32..255 log-odds in steps about 128.
-  static constexpr int kFirstMeasured = 32, kZeroCode = 128;
+  static constexpr int kFirstMeasured = kMostBehind + 1, kZeroCode = 128;
   static constexpr int kBlockSide = 8;
   struct Decoded {
     float occupancy, behind;

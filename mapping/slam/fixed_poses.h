@@ -1,6 +1,7 @@
 // Keyframes that never move once they are made.
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <memory>
 #include <vector>
@@ -11,19 +12,55 @@ namespace atlas::mapping {
 
 class FixedPoses : public core::PoseSource {
  public:
-  explicit FixedPoses(std::vector<core::Pose> T_map_keyframe) : T_map_keyframe_(std::move(T_map_keyframe)) {}
+  explicit FixedPoses(const std::vector<core::Pose>& T_map_keyframe)
+      : FixedPoses(Copied(T_map_keyframe.data(), T_map_keyframe.size(), T_map_keyframe.size()),
+                   T_map_keyframe.size()) {}
   core::Pose T_map_keyframe(core::KeyframeId keyframe) const override {
-    assert(keyframe < T_map_keyframe_.size());
+    assert(keyframe < count_);
     return T_map_keyframe_[keyframe];
   }
   uint64_t version() const override { return 0; }
   core::KeyframeId latest() const override {
-    assert(!T_map_keyframe_.empty());
-    return static_cast<core::KeyframeId>(T_map_keyframe_.size() - 1);
+    assert(count_ > 0);
+    return static_cast<core::KeyframeId>(count_ - 1);
   }
 
  private:
-  std::vector<core::Pose> T_map_keyframe_;
+  friend class KeyframeList;
+  using Poses = std::shared_ptr<core::Pose[]>;
+  FixedPoses(std::shared_ptr<const core::Pose[]> T_map_keyframe, size_t count)
+      : T_map_keyframe_(std::move(T_map_keyframe)), count_(count) {}
+  /// Room for `capacity` poses, the first `count` of them copied.
+  static Poses Copied(const core::Pose* poses, size_t count, size_t capacity) {
+    Poses room = std::make_shared<core::Pose[]>(capacity);
+    std::copy(poses, poses + count, room.get());
+    return room;
+  }
+
+  std::shared_ptr<const core::Pose[]> T_map_keyframe_;  ///< others may be written behind the first count_
+  size_t count_;
+};
+
+/// Grows by one keyframe at a time; snapshots share what they hold, for any thread, and copy nothing. Poses
+/// are written behind all that a snapshot reads, so that keyframe and snapshot cost the same however many
+/// came before.
+class KeyframeList {
+ public:
+  void Add(const core::Pose& T_map_keyframe) {
+    if (count_ == capacity_) {
+      capacity_ = std::max<size_t>(16, 2 * capacity_);
+      poses_ = FixedPoses::Copied(poses_.get(), count_, capacity_);
+    }
+    poses_[count_++] = T_map_keyframe;
+  }
+  size_t size() const { return count_; }
+  std::shared_ptr<const FixedPoses> Snapshot() const {
+    return std::shared_ptr<const FixedPoses>(new FixedPoses(poses_, count_));
+  }
+
+ private:
+  FixedPoses::Poses poses_;
+  size_t count_ = 0, capacity_ = 0;
 };
 
 }  // namespace atlas::mapping

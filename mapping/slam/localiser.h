@@ -39,7 +39,8 @@ class Localiser {
 struct LocaliserStart {
   core::Pose T_map_odom = core::Pose::Identity();   ///< exact
   core::Pose T_odom_base = core::Pose::Identity();  ///< where the robot stands
-  /// The true T_map_base at the time of the latest state: for the localiser `truth` alone.
+  /// The true T_map_base at the time of the latest state: for the localiser `truth` alone,
+  /// empty for all others.
   std::function<core::Pose()> T_map_base_true;
 };
 

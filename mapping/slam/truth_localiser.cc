@@ -35,7 +35,7 @@ class TruthLocaliser final : public Localiser {
   Pose T_map_odom() const override { return T_map_odom_; }
 
   std::shared_ptr<const core::PoseSource> poses() const override {
-    if (!snapshot_) snapshot_ = std::make_shared<FixedPoses>(keyframes_);
+    if (!snapshot_) snapshot_ = keyframes_.Snapshot();
     return snapshot_;
   }
 
@@ -55,7 +55,7 @@ class TruthLocaliser final : public Localiser {
   /// At the latest fix, where that has none yet.
   void BeginKeyframe() {
     if (!std::exchange(fixed_, false)) return;
-    keyframes_.push_back(T_map_odom_);
+    keyframes_.Add(T_map_odom_);
     snapshot_.reset();
   }
 
@@ -65,7 +65,7 @@ class TruthLocaliser final : public Localiser {
   Pose T_map_odom_;
   double next_fix_s_ = 0.0;
   bool fixed_ = false, scanning_ = false;
-  std::vector<Pose> keyframes_;
+  KeyframeList keyframes_;
   mutable std::shared_ptr<const FixedPoses> snapshot_;
 };
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <queue>
 #include <tuple>
+#include <utility>
 
 #include "mapping/terrain/grid_filters.h"
 
@@ -83,7 +84,7 @@ bool OnRobotsLevel(const mapping::TraversableGround& ground, const core::Vec3& p
 
 /// Cells where the robot can stand that are joined to a place of the tree or to the robot.
 std::vector<uint8_t> Covered(const CellGrid& grid, const Walkable& walkable, const CandidateTree& tree) {
-  std::vector<uint8_t> covered(static_cast<size_t>(grid.count()), 0);
+  std::vector<uint8_t> covered(static_cast<size_t>(grid.count()), 0), asked = covered;
   std::vector<int> open;
   const auto reach = [&](int i) {
     if (i < 0 || covered[static_cast<size_t>(i)]) return;
@@ -99,6 +100,7 @@ std::vector<uint8_t> Covered(const CellGrid& grid, const Walkable& walkable, con
     open.pop_back();
     const int row = i / grid.cols(), col = i % grid.cols();
     const auto step = [&](int j) {
+      if (covered[static_cast<size_t>(j)] || std::exchange(asked[static_cast<size_t>(j)], 1)) return;
       if (walkable.ground().CircleFree(walkable.ground().OnRobotsLevel(grid.CenterOf(j), 0.0))) reach(j);
     };
     if (col > 0) step(i - 1);

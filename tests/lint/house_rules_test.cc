@@ -57,7 +57,7 @@ TEST(HouseRules, RoomsIncludeOnlyTheRoomsBelowThem) {
       {"robots", {"core", "robots"}},
       {"sim", {"core", "scenes", "robots", "sim"}},
       {"mapping", {"core", "mapping"}},
-      {"planner", {"core", "robots", "mapping", "planner"}},
+      {"planner", {"core", "mapping", "planner"}},
       {"experiments", {"core", "scenes", "robots", "sim", "mapping", "planner", "experiments"}},
       {"tests", {kRooms.begin(), kRooms.end()}}};
   const std::set<std::string> rooms(kRooms.begin(), kRooms.end());

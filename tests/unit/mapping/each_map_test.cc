@@ -114,6 +114,24 @@ TEST_P(EachMap, NothingIsKeptOutsideTheBox) {
   EXPECT_GT(known, 3u);
 }
 
+/// Twenty voxels deep, so that the first would be worth 39.
+TEST_P(EachMap, WhatLiesBehindAHitIsMarkedByOneRuleUpTo31) {
+  MapperParams params;
+  params.name = GetParam();
+  params.behind_surface_m = 1.0;
+  const auto map =
+      MakeMap(params, {.lidar = {}, .keep_map = RegionOf(params, kSweptBox), .behind_surface = true});
+  tests::Integrate(RoomSweep(4, 0.0), map.get());
+  std::vector<RaySample> samples;
+  float most = 0.0f;
+  const std::shared_ptr<const MapView> view = map->Snapshot();
+  for (double y = -1.0; y < 1.0; y += 0.1) {
+    view->Trace(Vec3(4.0, y, 1.0), -Vec3::UnitX(), {.box_map = kSweptRegion}, &samples);
+    for (const RaySample& s : samples) most = std::max(most, s.behind_surface);
+  }
+  EXPECT_EQ(most, 31.0f);
+}
+
 TEST(Map, ADenseGridTooLargeForItsResolutionIsRefused) {
   MapperParams params = OctomapParams();
   params.name = "dense_grid";

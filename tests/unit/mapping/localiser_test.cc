@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "core/stopwatch.h"
 
 namespace atlas::mapping {
 namespace {
@@ -138,6 +139,29 @@ TEST(TruthLocaliser, KeyframesStayWhereTheyAreWhateverComesLater) {
   EXPECT_EQ(spin.T_map_odom(*after).matrix(), here.matrix());
   EXPECT_EQ(spin.T_map_odom(*before).matrix(), here.matrix()) << "an old snapshot holds";
   EXPECT_EQ(after->version(), before->version());
+}
+
+/// A keyframe a revolution, a snapshot a keyframe. With copies it would be 30 GB.
+TEST(TruthLocaliser, ManySnapshotsOfManyKeyframesAreCheapAndHoldWhatTheyHeld) {
+  Drifting robot(Exact(0.0));
+  const core::Stopwatch placing;
+  std::vector<std::shared_ptr<const core::PoseSource>> kept;
+  std::vector<double> x_m;
+  constexpr int kKeyframes = 22000;
+  for (int i = 0; i < kKeyframes; ++i) {
+    robot.T_map_odom_true.translation().x() = 0.001 * i;
+    robot.State(0.02 * i);
+    const core::AnchoredSpin spin = robot.localiser->Place(Spin(false));
+    const auto poses = robot.localiser->poses();
+    EXPECT_EQ(poses->latest(), spin.keyframe);
+    if (i % 1000 != 0) continue;
+    kept.push_back(poses);
+    x_m.push_back(0.001 * i);
+  }
+  EXPECT_LT(placing.seconds(), 2.0);
+  for (size_t k = 0; k < kept.size(); ++k) {
+    EXPECT_NEAR(kept[k]->T_map_keyframe(kept[k]->latest()).translation().x(), x_m[k], 1e-9);
+  }
 }
 
 TEST(Localisers, AnUnknownNameIsRefusedWithTheNearOne) {

@@ -106,6 +106,27 @@ TEST(BlockedWays, AreKeptBeyondTheWindowAndForgottenWhereTheFarSideIsReached) {
   EXPECT_TRUE(ways.ways().empty()) << "another way led there";
 }
 
+/// Counts how often it is asked what costs most.
+class CountingGround : public tests::FlatGround {
+ public:
+  using tests::FlatGround::FlatGround;
+  bool CircleFree(const core::Vec3& p) const override {
+    ++asked;
+    return tests::FlatGround::CircleFree(p);
+  }
+  mutable int asked = 0;
+};
+
+TEST(BlockedWays, NoCellIsAskedTwiceWhetherTheRobotFitsThere) {
+  CountingGround ground(12.0, Vec2(0.0, 0.0));
+  ground.AddObstacle(Vec2(-20.0, 2.0), Vec2(20.0, 2.2));
+  const Walkable walkable(ground, Vec2(0.0, 0.0));
+  ground.asked = 0;
+  FindBlockedWays(walkable, {}, Footprint{});
+  EXPECT_GT(ground.asked, 1000);
+  EXPECT_LE(ground.asked, 240 * 240) << "cells of 5 cm in 12 m";
+}
+
 /// A way at (2, 0), the ground beyond it at (3, 0) on a floor of this height.
 BlockedWay WayAtTwo(double floor_m = 0.0) {
   BlockedWay way;
