@@ -1,4 +1,5 @@
-// `atlas map`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR.
+// `atlas map`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR. `atlas posegraph`: the back
+// end alone.
 #pragma once
 
 #include <filesystem>
@@ -50,5 +51,13 @@ struct ExportArguments {
   std::filesystem::path map, out;
 };
 int ExportCommand(const ExportArguments& arguments);
+
+struct PoseGraphArguments {
+  std::filesystem::path graph, out, truth;  ///< out, truth: empty for none
+  std::string robust = "none";              ///< none | dcs | gnc
+  std::string cost = "log";                 ///< log | chordal | g2o: whose minimum is written and compared
+};
+/// Returns 1 where the optimiser found nothing better than its start.
+int PoseGraphCommand(const PoseGraphArguments& arguments);
 
 }  // namespace atlas::experiments

@@ -93,6 +93,20 @@ void AddExport(CLI::App* app, Action* action) {
   command->callback([=] { *action = [=] { return ExportCommand(*a); }; });
 }
 
+void AddPoseGraph(CLI::App* app, Action* action) {
+  const auto a = std::make_shared<PoseGraphArguments>();
+  CLI::App* command = app->add_subcommand(
+      "posegraph", "Optimises a pose graph from chordal initialisation; costs, time, rejected loops, ATE");
+  command->add_option("graph", a->graph, "FILE.g2o (SE2 or SE3:QUAT)")->required();
+  command->add_option("--truth", a->truth, "FILE.g2o with the same ids, or poses in the order of ids (TUM)");
+  command->add_option("--robust", a->robust, "false loops are found by: none, dcs (fast), gnc (surest)")
+      ->check(OneOf("method", {"none", "dcs", "gnc"}));
+  command->add_option("--cost", a->cost, "whose minimum --out and --truth take: log, chordal, g2o")
+      ->check(OneOf("cost", {"log", "chordal", "g2o"}));
+  AddOut(command, &a->out, "FILE.g2o, without the edges rejected (default: none is written)");
+  command->callback([=] { *action = [=] { return PoseGraphCommand(*a); }; });
+}
+
 }  // namespace
 
 void AddMapCommands(CLI::App* app, int threads, Action* action) {
@@ -100,6 +114,7 @@ void AddMapCommands(CLI::App* app, int threads, Action* action) {
   AddMesh(app, threads, action);
   AddEval(app, threads, action);
   AddExport(app, action);
+  AddPoseGraph(app, action);
 }
 
 }  // namespace atlas::experiments

@@ -20,7 +20,7 @@ class HostileText : public atlas::tests::CommandLine {
 TEST_F(HostileText, IsRefusedInEveryArgument) {
   const std::string evil = R"sh("$(printf 'a\033[2Jb\nc')")sh", shown = "'a\\x1b[2Jb\\nc'";
   for (const std::string head : {"run ", "explain ", "list ", "render ", "report ", "sweep ", "record ",
-                                 "bench ", "map --scans ", "mesh ", "eval ", "export ", ""}) {
+                                 "bench ", "map --scans ", "mesh ", "eval ", "export ", "posegraph ", ""}) {
     ExpectShown(head + evil, shown);
   }
   ExpectShown("run car --out " + evil, shown);
