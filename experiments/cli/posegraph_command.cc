@@ -119,7 +119,7 @@ std::vector<core::Pose> TruthFor(const G2oGraph& file, const fs::path& path) {
 size_t RemoveFalseLoops(const std::string& method, PoseGraph* graph, double* time_s) {
   if (method == "none") return 0;
   const mapping::RobustReport report =
-      method == "dcs" ? mapping::SolveDcsFromBestStart(graph) : mapping::SolveGnc(graph);
+      method == "dcs" ? mapping::SolveFromBestStart(graph) : mapping::SolveGnc(graph);
   *time_s = report.solve.time_s;
   *graph = mapping::WithoutEdges(*graph, report.rejected);
   return report.rejected.size();

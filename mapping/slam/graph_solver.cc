@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "core/stopwatch.h"
 #include "mapping/slam/edge_terms.h"
@@ -142,7 +143,7 @@ class DcsLoss final : public ceres::LossFunction {
 class GraphProblem {
  public:
   GraphProblem(PoseGraph* graph, const SolveOptions& options)
-      : manifold_(graph->planar), loss_(options.dcs_phi.value_or(1.0)), problem_(Ownerless()) {
+      : manifold_(graph->planar), loss_(LossOf(options)), problem_(Ownerless()) {
     const std::vector<bool> fixed = FixedNodes(*graph);
     for (uint32_t node = 0; node < graph->size(); ++node) {
       double* numbers = graph->T_map_node[node].data();
@@ -153,9 +154,10 @@ class GraphProblem {
       const double weight = options.edge_weights.empty() ? 1.0 : options.edge_weights[k];
       if (weight <= 0.0) continue;
       const PoseEdge& edge = graph->edges[k];
-      const bool robust = options.dcs_phi && edge.kind == EdgeKind::kLoop;
-      problem_.AddResidualBlock(Factor(edge, weight, graph->planar, options.cost), robust ? &loss_ : nullptr,
-                                graph->T_map_node[edge.from].data(), graph->T_map_node[edge.to].data());
+      const bool robust = loss_ && edge.kind == EdgeKind::kLoop;
+      problem_.AddResidualBlock(Factor(edge, weight, graph->planar, options.cost),
+                                robust ? loss_.get() : nullptr, graph->T_map_node[edge.from].data(),
+                                graph->T_map_node[edge.to].data());
     }
   }
 
@@ -169,14 +171,19 @@ class GraphProblem {
     options.disable_all_safety_checks = true;
     return options;
   }
+  static std::unique_ptr<ceres::LossFunction> LossOf(const SolveOptions& options) {
+    if (options.loop_loss == LoopLoss::kDcs) return std::make_unique<DcsLoss>(options.loop_scale);
+    if (options.loop_loss == LoopLoss::kSquared) return nullptr;
+    return std::make_unique<ceres::CauchyLoss>(std::sqrt(options.loop_scale));
+  }
   static ceres::CostFunction* Factor(const PoseEdge& edge, double weight, bool planar, CostConvention cost) {
     if (cost == CostConvention::kChordal) return new ChordalFactor(edge, weight, planar);
     return new TangentFactor(edge, weight, cost, planar);
   }
 
   RightPerturbation manifold_;
-  DcsLoss loss_;
-  ceres::Problem problem_;  // last: refers to the others
+  std::unique_ptr<ceres::LossFunction> loss_;  // null: squared
+  ceres::Problem problem_;                     // last: refers to the others
 };
 
 /// What goes wrong in Ceres is told by its summary; its log would go to the user's terminal.

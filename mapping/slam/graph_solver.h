@@ -1,7 +1,6 @@
 // Nonlinear least squares on pose graphs: Levenberg-Marquardt with sparse Cholesky (Ceres, SuiteSparse).
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,14 +10,21 @@ namespace atlas::mapping {
 
 enum class CostConvention { kLogMap, kChordal, kG2o };  ///< see pose_graph.h
 
+/// What loop edges cost.
+enum class LoopLoss {
+  kSquared,
+  kCauchy,  ///< c^2 log(1 + s / c^2): far errors still pull, as 1 / e
+  kDcs,     ///< dynamic covariance scaling (Agarwal et al., ICRA 2013): far errors hardly pull, as 1 / e^3
+};
+
 struct SolveOptions {
   CostConvention cost = CostConvention::kLogMap;
   int max_iterations = 200;
   /// Ends where an iteration lowers the cost by less than this share of it.
   double function_tolerance = 1e-10;
   int threads = 1;
-  /// Dynamic covariance scaling of loop edges (Agarwal et al., ICRA 2013) with this Phi; none: least squares.
-  std::optional<double> dcs_phi = std::nullopt;
+  LoopLoss loop_loss = LoopLoss::kSquared;
+  double loop_scale = 6.0;  ///< squared error at which the loss departs from the square: Phi, c^2
   /// Of each edge's squared error; empty: all one. Edges of weight zero are left out.
   std::vector<double> edge_weights = {};
 };

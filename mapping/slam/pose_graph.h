@@ -28,9 +28,9 @@ struct PoseEdge {
 };
 
 struct PoseGraph {
-  std::vector<core::Pose> T_map_node;
-  std::vector<PoseEdge> edges;
-  std::vector<uint32_t> fixed;  ///< nodes that stay where they are; empty: the first one
+  std::vector<core::Pose> T_map_node = {};
+  std::vector<PoseEdge> edges = {};
+  std::vector<uint32_t> fixed = {};  ///< nodes that stay where they are; empty: the first one
   /// All poses and edges lie in the plane z = 0 and turn about z: three degrees of freedom a node. Of an
   /// information matrix only x, y and yaw count.
   bool planar = false;

@@ -20,6 +20,7 @@ constexpr double kLeastGncMu = 1e-4;
 constexpr double kGreatestGncMu = 100.0;
 constexpr double kNegligibleWeight = 1e-6;
 constexpr int kPolishRounds = 5;
+constexpr double kRoughTolerance = 1e-4, kOnlineTolerance = 1e-6;
 
 std::vector<double> SquaredErrors(const PoseGraph& graph) {
   std::vector<double> chi2;
@@ -54,23 +55,27 @@ double FirstMu(const PoseGraph& graph, double cut) {
   return largest > cut ? std::max(cut / (2.0 * largest - cut), kLeastGncMu) : kGreatestGncMu;
 }
 
-SolveReport OptimiseByDcs(PoseGraph* graph, const RobustOptions& options, double function_tolerance) {
-  SolveOptions solve{.function_tolerance = function_tolerance, .threads = options.threads};
-  solve.dcs_phi = options.dcs_phi;
+SolveReport OptimiseBy(LoopLoss loss, double function_tolerance, const RobustOptions& options,
+                       PoseGraph* graph) {
+  SolveOptions solve;
+  solve.function_tolerance = function_tolerance;
+  solve.threads = options.threads;
+  solve.loop_loss = loss;
+  solve.loop_scale = options.dcs_phi;
   return Optimise(graph, solve);
 }
 
-/// Among poses as they are, odometry's and those of chordal initialisation, the ones that DCS leads to the
-/// lowest truncated cost.
+/// Among poses as they are, odometry's and those of chordal initialisation, the ones that lead to the lowest
+/// truncated cost.
 void TakeBestStart(PoseGraph* graph, const RobustOptions& options) {
-  const double cut = options.CutOf(*graph);
   double best = std::numeric_limits<double>::infinity();
   std::vector<Pose> best_poses = graph->T_map_node;
   for (const std::vector<Pose>& start : {graph->T_map_node, ChainedPoses(*graph), ChordalStart(*graph)}) {
     PoseGraph trial = *graph;
     trial.T_map_node = start;
-    OptimiseByDcs(&trial, options, 1e-4);
-    const double cost = TruncatedCost(trial, cut);
+    OptimiseBy(LoopLoss::kCauchy, kRoughTolerance, options, &trial);
+    OptimiseBy(LoopLoss::kDcs, kRoughTolerance, options, &trial);
+    const double cost = TruncatedCost(trial, options.CutOf(trial));
     if (!(cost < best)) continue;
     best = cost;
     best_poses = trial.T_map_node;
@@ -125,12 +130,17 @@ std::vector<size_t> LoopsAbove(const PoseGraph& graph, double cut) {
 
 RobustReport SolveDcs(PoseGraph* graph, const RobustOptions& options) {
   RobustReport report;
-  report.solve = OptimiseByDcs(graph, options, 1e-6);
+  report.solve = OptimiseBy(LoopLoss::kDcs, kOnlineTolerance, options, graph);
   report.rejected = LoopsAbove(*graph, options.CutOf(*graph));
   return report;
 }
 
-RobustReport SolveDcsFromBestStart(PoseGraph* graph, const RobustOptions& options) {
+RobustReport SolveWide(PoseGraph* graph, const RobustOptions& options) {
+  OptimiseBy(LoopLoss::kCauchy, kRoughTolerance, options, graph);
+  return SolveDcs(graph, options);
+}
+
+RobustReport SolveFromBestStart(PoseGraph* graph, const RobustOptions& options) {
   const core::Stopwatch watch;
   TakeBestStart(graph, options);
   RobustReport report = SolveDcs(graph, options);

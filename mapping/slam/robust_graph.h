@@ -27,12 +27,16 @@ struct RobustReport {
 /// pull.
 RobustReport SolveDcs(PoseGraph* graph, const RobustOptions& options = {});
 
-/// The same from the best of several starts: the graph's poses, odometry's and those of chordal
+/// For loops that are far from closed, which DCS alone would leave so: by Cauchy's loss, which still pulls at
+/// them, then by DCS.
+RobustReport SolveWide(PoseGraph* graph, const RobustOptions& options = {});
+
+/// SolveWide from the best of several starts: the graph's poses, odometry's and those of chordal
 /// initialisation.
-RobustReport SolveDcsFromBestStart(PoseGraph* graph, const RobustOptions& options = {});
+RobustReport SolveFromBestStart(PoseGraph* graph, const RobustOptions& options = {});
 
 /// Graduated non-convexity with truncated least squares (Yang et al., RA-L 2020) from the best
-/// start by DCS; then false loops are removed and the others solved by least squares.
+/// start; then false loops are removed and the others solved by least squares.
 /// @pre the odometry edges connect the graph.
 RobustReport SolveGnc(PoseGraph* graph, const RobustOptions& options = {});
 
