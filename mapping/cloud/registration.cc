@@ -1,6 +1,7 @@
 #include "mapping/cloud/registration.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <vector>
 
 #include "core/parallel_for.h"
@@ -42,11 +43,13 @@ struct NormalEquations {
 
 struct PairSums {
   Matrix6 hessian = Matrix6::Zero();
+  Mat3 directions = Mat3::Zero();  ///< of target's normals times source's
   double squares = 0.0;
   size_t pairs = 0;
 
   void Add(const PairSums& other) {
     hessian += other.hessian;
+    directions += other.directions;
     squares += other.squares;
     pairs += other.pairs;
   }
@@ -81,6 +84,17 @@ class Matcher {
     Sums total;
     for (const Sums& part : sums) total.Add(part);
     return total;
+  }
+
+  double Overlap(const Pose& T_target_source, double max_distance_m) const {
+    std::vector<uint8_t> met(source_.size(), 0);
+    core::ParallelFor(params_.threads, met.size(), [&](size_t begin, size_t end, size_t) {
+      for (size_t i = begin; i < end; ++i) {
+        const Vec3f p = (T_target_source * source_.points()[i].cast<double>()).cast<float>();
+        met[i] = target_.Nearest(p, static_cast<float>(max_distance_m)) >= 0;
+      }
+    });
+    return static_cast<double>(std::count(met.begin(), met.end(), 1)) / static_cast<double>(met.size());
   }
 
  private:
@@ -128,6 +142,7 @@ void AddPointToPlane(const MatchedPoint& pair, PairSums* sums) {
   Vector6 J;
   J << pair.normal_target, pair.p.cross(pair.normal_target);
   sums->hessian += J * J.transpose();
+  sums->directions += pair.normal_target * pair.normal.transpose();
   const double distance = pair.normal_target.dot(pair.error);
   sums->squares += distance * distance;
   ++sums->pairs;
@@ -157,15 +172,18 @@ void Align(const Matcher& matcher, double final_m, const RegistrationParams& par
   }
 }
 
-void Judge(const Matcher& matcher, double final_m, size_t source_points, RegistrationResult* result) {
+void Judge(const Matcher& matcher, double final_m, RegistrationResult* result) {
+  result->overlap = matcher.Overlap(result->T_target_source, final_m);
   const PairSums sums = matcher.OverPairs<PairSums>(result->T_target_source, final_m, 1, AddPointToPlane);
   result->inliers = sums.pairs;
   if (sums.pairs == 0) return;
   const auto pairs = static_cast<double>(sums.pairs);
-  result->overlap = pairs / static_cast<double>(source_points);
   result->inlier_rmse_m = std::sqrt(sums.squares / pairs);
   result->hessian = sums.hessian;
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(Mat3(sums.hessian.topLeftCorner<3, 3>()) / pairs);
+  // The two normals of a pair err independently: their product's mean, unlike a square's, holds no noise,
+  // which in a bare corridor looks like walls across it.
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes((sums.directions + sums.directions.transpose()) /
+                                                 (2.0 * pairs));
   result->min_eigenvalue = axes.eigenvalues()[0];
   result->weak_direction_target = result->T_target_source.linear() * axes.eigenvectors().col(0);
 }
@@ -198,7 +216,7 @@ RegistrationResult Register(const SurfaceCloud& target, const SurfaceCloud& sour
   const Matcher matcher(target, source, params);
   const double final_m = kFinalVoxels * std::max(target.voxel_m(), source.voxel_m());
   Align(matcher, final_m, params, &result);
-  Judge(matcher, final_m, source.size(), &result);
+  Judge(matcher, final_m, &result);
   result.degenerate = !(result.min_eigenvalue >= params.min_eigenvalue);
   return result;
 }

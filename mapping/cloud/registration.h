@@ -26,8 +26,9 @@ struct RegistrationParams {
   /// seen from many places, whose normals face nowhere.
   bool facing = true;
   /// Below this eigenvalue of the scatter of the pairs' normals (a third each for a cube) the pairs say
-  /// nothing about the translation along its eigenvector.
-  double min_eigenvalue = 0.01;
+  /// nothing about the translation along its eigenvector. Bare corridors come to 0.01 by normals at
+  /// their edges, rooms and streets to 0.07 and more.
+  double min_eigenvalue = 0.02;
   int threads = 1;  ///< results do not depend on it
 };
 
@@ -35,13 +36,15 @@ struct RegistrationResult {
   core::Pose T_target_source = core::Pose::Identity();
   bool converged = false;
   int iterations = 0;
-  size_t inliers = 0;          ///< pairs within two voxels
-  double overlap = 0.0;        ///< share of the source's points in such a pair
+  size_t inliers = 0;          ///< pairs within two voxels, both with a normal
+  double overlap = 0.0;        ///< share of the source's points within two voxels of the target's
   double inlier_rmse_m = 0.0;  ///< of the pairs' distances along the target's normals
   /// Gauss-Newton's J^T J of those distances (metres, unweighted): divided by their variance it is the
   /// information, were they independent.
   Matrix6 hessian = Matrix6::Zero();
-  double min_eigenvalue = 0.0;  ///< of the Hessian's translation block, per inlier: 0 on a plane, up to 1/3
+  /// Of the scatter of the pairs' normals, which is the Hessian's translation block per inlier without the
+  /// normals' noise: 0 on a plane, up to 1/3.
+  double min_eigenvalue = 0.0;
   core::Vec3 weak_direction_target = core::Vec3::Zero();  ///< its eigenvector, unit
   bool degenerate = true;                                 ///< min_eigenvalue below the limit, or no pairs
 };

@@ -1,6 +1,7 @@
 #include "mapping/cloud/surface_cloud.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cassert>
 #include <nanoflann.hpp>
 
@@ -62,12 +63,17 @@ uint64_t CellKey(const Vec3f& p, double inverse_voxel) {
   return key;
 }
 
+/// Neighbours count up to so far. Down a corridor beams graze the walls: returns lie metres apart along them
+/// and decimetres across, and a plane through the nearest of them would stand across the corridor.
+constexpr float kReachVoxels = 3.0f;
+constexpr size_t kLeastNeighbours = 5;
+
 /// Of the plane through the neighbours, facing the viewpoint. A line fits them where the second axis of their
-/// scatter is below a twentieth of the first: rows of a LiDAR far from their neighbours.
+/// scatter is below a tenth of the first: rows of a LiDAR far from their neighbours.
 Vec3f NormalOf(const std::vector<Vec3f>& points, const uint32_t* index, size_t count,
                const Vec3f& to_viewpoint) {
-  constexpr double kLineShare = 0.05 * 0.05;
-  if (count < 3) return Vec3f::Zero();
+  constexpr double kLineShare = 0.1 * 0.1;
+  if (count < kLeastNeighbours) return Vec3f::Zero();
   Vec3 mean = Vec3::Zero();
   for (size_t k = 0; k < count; ++k) mean += points[index[k]].cast<double>();
   mean /= static_cast<double>(count);
@@ -145,19 +151,24 @@ struct SurfaceCloud::Impl {
 };
 
 SurfaceCloud::SurfaceCloud(std::span<const Vec3f> points, const SurfaceCloudParams& params) {
-  assert(params.neighbours >= 3);
+  assert(params.neighbours >= 5);
   const double voxel_m = params.voxel_m > 0.0 ? params.voxel_m : ChooseVoxel(points, params.viewpoint);
   impl_ = std::make_unique<Impl>(ThinToVoxels(points, voxel_m), voxel_m);
   const std::vector<Vec3f>& thinned = impl_->cloud.points;
   impl_->normals.assign(thinned.size(), Vec3f::Zero());
   if (thinned.empty()) return;
   const auto neighbours = static_cast<size_t>(params.neighbours);
+  const float reach_m = kReachVoxels * static_cast<float>(voxel_m), reach_sq = reach_m * reach_m;
   core::ParallelFor(params.threads, thinned.size(), [&](size_t begin, size_t end, size_t) {
     std::vector<uint32_t> index(neighbours);
     std::vector<float> distance_sq(neighbours);
     for (size_t i = begin; i < end; ++i) {
-      const size_t found =
+      const size_t nearest =
           impl_->tree.knnSearch(thinned[i].data(), neighbours, index.data(), distance_sq.data());
+      const auto found = static_cast<size_t>(
+          std::upper_bound(distance_sq.begin(), distance_sq.begin() + static_cast<std::ptrdiff_t>(nearest),
+                           reach_sq) -
+          distance_sq.begin());
       impl_->normals[i] = NormalOf(thinned, index.data(), found, params.viewpoint - thinned[i]);
     }
   });

@@ -14,7 +14,7 @@ namespace atlas::mapping {
 struct SurfaceCloudParams {
   double voxel_m =
       0.0;  ///< side of the cells that keep their mean point; 0: by the cloud's extent (ChooseVoxel)
-  int neighbours = 12;  ///< points, itself included, that a normal is fitted to; at least 3
+  int neighbours = 12;  ///< points, itself included, that a normal is fitted to, within 3 voxels; at least 5
   int threads = 1;      ///< results do not depend on it
   core::Vec3f viewpoint = core::Vec3f::Zero();  ///< normals face it: where the sensor was
 };

@@ -77,7 +77,7 @@ TEST(Registration, ThreadsChangeNoByte) {
 TEST(Registration, BareCorridorIsDegenerateAlongItsAxisOnly) {
   std::vector<SampledRectangle> corridor;
   AddBoxSides({{-12.0, -0.8, 0.0}, {12.0, 0.8, 2.4}}, false, &corridor);
-  const Pose T_world_a = Sensor(0.0, 0.2, 1.0, 35.0), T_world_b = Sensor(0.1, 0.1, 1.0, 33.0);
+  const Pose T_world_a = Sensor(0.0, 0.2, 1.0, 35.0), T_world_b = Sensor(0.1, 0.1, 1.0, 15.0);
   const RegistrationResult found =
       Register(CloudOf(corridor, T_world_a, 3), CloudOf(corridor, T_world_b, 4), Pose::Identity(), {});
   EXPECT_TRUE(found.degenerate);
