@@ -21,16 +21,29 @@ void LocomotionParams::Visit(core::ParamVisitor& v) {
 }
 
 void OdometryParams::Visit(core::ParamVisitor& v) {
-  v.Field("drift_xy_per_m", &drift_xy_per_m,
-          {.unit = "m",
-           .min = 0.0,
-           .max = 0.2,
-           .doc = "position drift after one metre (standard deviation; random walk)"});
-  v.Field("drift_yaw_deg_per_m", &drift_yaw_deg_per_m,
-          {.unit = "deg",
-           .min = 0.0,
-           .max = 5.0,
-           .doc = "heading drift after one metre (standard deviation; random walk)"});
+  v.Field(
+      "name", &name,
+      {.choices = {"truth", "legs", "drift"},
+       .doc = "truth: no error; legs: legs and IMU, roll, pitch and height right; drift: all six wander"});
+  core::AbsentFields absent(&v, "odometry.name = " + name);
+  core::ParamVisitor &none = absent, &legs = name == "legs" ? v : none, &wander = name == "drift" ? v : none;
+  wander.Field(
+      "drift_scale", &drift_scale,
+      {.min = 0.0,
+       .max = 10.0,
+       .doc = "times 2 cm and 0.1 degrees (standard deviation, an axis) every 2 m: 1 m after 100 m"});
+  wander.Field("drift_bias", &drift_bias,
+               {.min = 0.0, .max = 2.0, .doc = "an error of one direction besides, as a share of those"});
+  legs.Field("drift_xy_per_m", &drift_xy_per_m,
+             {.unit = "m",
+              .min = 0.0,
+              .max = 0.2,
+              .doc = "position drift after one metre (standard deviation; random walk)"});
+  legs.Field("drift_yaw_deg_per_m", &drift_yaw_deg_per_m,
+             {.unit = "deg",
+              .min = 0.0,
+              .max = 5.0,
+              .doc = "heading drift after one metre (standard deviation; random walk)"});
   v.Field(
       "velocity_sigma_mps", &velocity_sigma_mps,
       {.unit = "m/s", .min = 0.0, .max = 0.2, .doc = "noise on the base velocity that the gait balances on"});

@@ -29,8 +29,11 @@ struct LocomotionParams {
 };
 
 struct OdometryParams {
-  double drift_xy_per_m = 0.003;  ///< random walk, standard deviation a metre walked
+  std::string name = "legs";      ///< truth | legs | drift
+  double drift_xy_per_m = 0.003;  ///< legs: random walk, standard deviation a metre walked
   double drift_yaw_deg_per_m = 0.02;
+  double drift_scale = 1.0;          ///< drift: times 2 cm and 0.1 degrees an axis every 2 m, 1 m after 100 m
+  double drift_bias = 0.0;           ///< drift: mean error in one direction, as a share of those
   double velocity_sigma_mps = 0.02;  ///< noise on the base velocity that the gait balances on
   double attitude_sigma_deg = 0.2;
   void Visit(core::ParamVisitor& v);

@@ -11,6 +11,11 @@ std::string LocalisationLabel(const mapping::LocalisationParams& localisation) {
 }
 
 std::string OdometryLabel(const sim::OdometryParams& odometry) {
+  if (odometry.name == "truth") return "truth";
+  if (odometry.name == "drift") {
+    return fmt::format("drift, {:g} x (2 cm 0.1 deg after 2 m), bias {:g}", odometry.drift_scale,
+                       odometry.drift_bias);
+  }
   return fmt::format("random walk, {:g} mm {:g} deg after 1 m; height, roll and pitch true",
                      1e3 * odometry.drift_xy_per_m, odometry.drift_yaw_deg_per_m);
 }

@@ -69,6 +69,53 @@ TEST(Odometry, HeadingErrorsHappenWhereTheRobotIs) {
   EXPECT_LT(moved, 0.5) << "about the origin, a degree would move it by 1.7 m";
 }
 
+TEST(Odometry, ThatWandersIsAMetreOffAfterAHundred) {
+  // 2 cm and 0.1 degrees an axis every 2 m, composed edge by edge: 1.03 m (root mean square).
+  OdometryParams params;
+  params.name = "drift";
+  double squared = 0.0, height_squared = 0.0;
+  constexpr int kRuns = 300;
+  for (int run = 0; run < kRuns; ++run) {
+    Odometry odometry(params, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0),
+                      core::Rng(static_cast<uint64_t>(run)));
+    Walk(&odometry, 0.0, 100.0, [](const Pose&) {});
+    const Vec3 error = odometry.T_odom_base().translation() - Vec3(100.0, 0.0, 0.4);
+    squared += error.squaredNorm();
+    height_squared += error.z() * error.z();
+  }
+  EXPECT_NEAR(std::sqrt(squared / kRuns), 1.03, 0.12);
+  EXPECT_NEAR(height_squared / squared, 0.5, 0.12) << "it wanders up and down as well";
+}
+
+TEST(Odometry, ThatIsBiasedErrsInProportionToTheWay) {
+  OdometryParams params;
+  params.name = "drift";
+  params.drift_scale = 1.0;
+  params.drift_bias = 0.5;
+  Vec3 squared = Vec3::Zero();
+  constexpr int kRuns = 200;
+  for (int run = 0; run < kRuns; ++run) {
+    OdometryParams unbiased = params;
+    unbiased.drift_bias = 0.0;
+    const core::Rng rng(static_cast<uint64_t>(run));
+    const Pose start = core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0);
+    Odometry odometry(params, Pose::Identity(), start, rng), without(unbiased, Pose::Identity(), start, rng);
+    Walk(&odometry, 0.0, 4.0, [](const Pose&) {});
+    Walk(&without, 0.0, 4.0, [](const Pose&) {});
+    squared += (odometry.T_odom_base().translation() - without.T_odom_base().translation()).cwiseAbs2();
+  }
+  EXPECT_NEAR(std::sqrt(squared.x() / kRuns), 0.5 * 0.02 / 2.0 * 4.0, 0.004)
+      << "along the way, 1 cm a metre, halved";
+}
+
+TEST(Odometry, ThatIsTheTruthHasNoError) {
+  OdometryParams params;
+  params.name = "truth";
+  Odometry odometry(params, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0), core::Rng(1));
+  Walk(&odometry, 0.0, 5.0,
+       [&](const Pose& T) { EXPECT_LT((odometry.T_odom_base().matrix() - T.matrix()).norm(), 1e-12); });
+}
+
 TEST(Odometry, StartsAtTheSpawnPose) {
   const Pose T_map_spawn = core::PoseFromXyzYaw({2.0, -1.0, 0.0}, 0.8);
   const Odometry odometry(Perfect(), T_map_spawn, T_map_spawn * core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0),
