@@ -25,10 +25,14 @@ class Map {
   virtual ~Map() = default;
   /// Integrates one revolution, where `poses` puts it.
   virtual void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) = 0;
+  /// Moves what is held to where keyframes lie by now. A rigid map stays as it is.
+  virtual void Correct(const core::PoseSource&) {}
   /// The map as it is, for as long as it is held. A snapshot costs nothing while it is let go before the next
   /// Integrate(), and a copy of the map where it is not.
   virtual std::shared_ptr<const MapView> Snapshot() const = 0;
   virtual size_t Bytes() const = 0;
+  /// Rigid parts.
+  virtual size_t SubmapCount() const { return 1; }
   /// Writes the map in the backend's own format; returns the file's name.
   virtual std::string Save(const std::filesystem::path& directory) const = 0;
 };

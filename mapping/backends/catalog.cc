@@ -42,10 +42,11 @@ void MapperParams::Visit(core::ParamVisitor& v) {
   integrator.VisitRays(v);
   core::AbsentFields absent(&v, "mapper.name = " + name);
   core::ParamVisitor& none = absent;
-  const bool octree = name == "se_atlas";
+  const bool elastic = name == "atlas", octree = name == "se_atlas" || elastic;
   VisitUpdateRule(this, octree ? none : v);
   integrator.VisitFilling(octree ? v : none);
   integrator.VisitOccupancy(octree ? v : none);
+  atlas.Visit(elastic ? v : none);
 }
 
 const std::vector<CatalogEntry>& Catalog() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/params.h"
+#include "mapping/atlas/atlas_params.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/map.h"
 
@@ -23,9 +24,10 @@ struct MapperParams {
   double clamp_min = 0.12;
   double clamp_max = 0.97;
   double behind_surface_m = 0.3;  ///< d_occ of the proximity count gain
-  /// The measurement model of rays, for all; the rest is se_atlas's. Sweeps come from near by, and so the
-  /// defaults are others than those of `atlas map`.
+  /// The measurement model of rays, for all; the rest is se_atlas's and atlas's. Sweeps come from near by,
+  /// and so the defaults are others than those of `atlas map`.
   IntegratorParams integrator = SweepDefaults();
+  AtlasParams atlas;  ///< atlas
   void Visit(core::ParamVisitor& v);
 
   static IntegratorParams SweepDefaults();

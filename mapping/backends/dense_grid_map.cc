@@ -12,16 +12,18 @@
 #include <utility>
 
 #include "core/errors.h"
-#include "mapping/backends/behind_surface.h"
 #include "mapping/cloud/undistort.h"
 #include "mapping/copy_on_write.h"
 #include "mapping/grid/dense_grid.h"
 #include "mapping/io/map_file.h"
+#include "mapping/octree/behind_surface.h"
 
 namespace atlas::mapping {
 namespace {
 
 using core::Vec3;
+
+static_assert(kMostBehind == DenseGrid::kMostBehind);
 
 float LogOdds(double p) {
   return static_cast<float>(std::log(p / (1.0 - p)));

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "mapping/backends/behind_surface.h"
 #include "mapping/map_view.h"
+#include "mapping/octree/behind_surface.h"
 
 namespace atlas::mapping {
 

@@ -4,28 +4,17 @@
 // the beam table that the setup's LiDAR tells, ray by ray where it is absent.
 #include "mapping/backends/builders.h"
 
-#include "mapping/backends/octree_view.h"
 #include "mapping/cloud/undistort.h"
 #include "mapping/copy_on_write.h"
 #include "mapping/integrator/integrator.h"
+#include "mapping/integrator/occupancy_states.h"
 #include "mapping/io/map_file.h"
+#include "mapping/octree/octree_view.h"
 
 namespace atlas::mapping {
 namespace {
 
 using Field = OccupancyField;
-
-/// The planner calls a voxel occupied from 0.75 miss_nats on: the least that Eq. 4.2 gives behind a near
-/// surface.
-constexpr double kSurfaceShare = 0.75;
-
-/// Free nodes keep the least that is known of their voxels, and cones claim free space only where no beam
-/// contradicts, so one scan's miss decides free, and as much evidence as a scan gives of a surface decides
-/// occupied (thesis 4.5.2: negative is free, positive occupied). Voxels between have seen both.
-StateLogOdds StatesOf(const IntegratorParams& params) {
-  const double miss = Field::kNatsPerUnit * Field::StepsOf(params.miss_nats);
-  return {-miss, kSurfaceShare * miss};
-}
 
 IntegratorParams IntegratorOf(const MapperParams& params, const MapSetup& setup) {
   IntegratorParams integrator = params.integrator;
@@ -33,15 +22,11 @@ IntegratorParams IntegratorOf(const MapperParams& params, const MapSetup& setup)
   return integrator;
 }
 
-std::unique_ptr<ScanIntegrator<Field>> MakeIntegrator(const IntegratorParams& params, const MapSetup& setup) {
-  return setup.lidar ? MakeConeIntegrator<Field>(params, *setup.lidar) : MakeRayIntegrator<Field>(params);
-}
-
 class SeAtlasMap final : public Map {
  public:
   SeAtlasMap(const MapperParams& params, const MapSetup& setup)
       : params_(params),
-        integrator_(MakeIntegrator(IntegratorOf(params, setup), setup)),
+        integrator_(MakeIntegrator<Field>(IntegratorOf(params, setup), setup.lidar)),
         contents_({OccupancyOctree(params.resolution_m), {}}) {
     if (setup.behind_surface) contents_.Write().behind.emplace(params.resolution_m, params.behind_surface_m);
   }

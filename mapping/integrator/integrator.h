@@ -79,5 +79,11 @@ std::unique_ptr<ScanIntegrator<Field>> MakeConeIntegrator(const IntegratorParams
 /// For any cloud: each ray by itself, free space exactly along it.
 template <typename Field>
 std::unique_ptr<ScanIntegrator<Field>> MakeRayIntegrator(const IntegratorParams& params);
+/// Cone by cone where the LiDAR is known, else ray by ray.
+template <typename Field>
+std::unique_ptr<ScanIntegrator<Field>> MakeIntegrator(const IntegratorParams& params,
+                                                      const std::optional<core::LidarModel>& lidar) {
+  return lidar ? MakeConeIntegrator<Field>(params, *lidar) : MakeRayIntegrator<Field>(params);
+}
 
 }  // namespace atlas::mapping

@@ -78,7 +78,8 @@ TEST(HouseRules, RoomsIncludeOnlyTheRoomsBelowThem) {
 const std::map<std::string, std::vector<std::string>> kTrades = {
     {"scenes", {"build", "town"}},
     {"sim", {"world", "render", "sensors", "locomotion", "walking"}},
-    {"mapping", {"cloud", "octree", "grid", "integrator", "meshing", "io", "terrain", "slam", "backends"}},
+    {"mapping",
+     {"cloud", "octree", "grid", "integrator", "meshing", "io", "terrain", "slam", "atlas", "backends"}},
     {"mapping/integrator", {"projection", "measurement", "free_space", "surface", "write", "rays"}},
     {"planner", {"gain", "views", "graph", "travel", "stopping", "planners"}},
     {"experiments",

@@ -4,8 +4,8 @@
 #include <ctime>
 
 #include "core/rng.h"
-#include "mapping/backends/octree_view.h"
 #include "mapping/grid/dense_grid.h"
+#include "mapping/octree/octree_view.h"
 #include "planner/gain/view_evaluator.h"
 
 namespace atlas::planner {

@@ -9,10 +9,11 @@
 #include <unordered_set>
 
 #include "mapping/cloud/undistort.h"
-#include "mapping/grid/dense_grid.h"
 #include "mapping/octree/morton.h"
 
 namespace atlas::mapping {
+
+constexpr int kMostBehind = 31;  ///< voxels, that a mark counts: what a dense grid's cell has room for
 
 /// Calls visit(p_map, value) for the points that lie delta steps of a voxel behind a hit, delta = 1 .. D / 2,
 /// nearest first, with D - delta (Isler 2016; D = 2 depth / resolution), at most kMostBehind; while `visit`
@@ -23,7 +24,7 @@ void ForEachBehind(const core::Vec3& end_map, const core::Vec3& direction_map, d
   const int depth = static_cast<int>(std::round(depth_m / resolution_m));
   for (int delta = 1; delta <= depth; ++delta) {
     const core::Vec3 p_map = end_map + delta * resolution_m * direction_map;
-    if (!visit(p_map, std::min(2 * depth - delta, DenseGrid::kMostBehind))) return;
+    if (!visit(p_map, std::min(2 * depth - delta, kMostBehind))) return;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "mapping/backends/behind_surface.h"
+#include "mapping/octree/behind_surface.h"
 
 namespace atlas::mapping {
 

@@ -1,4 +1,4 @@
-#include "mapping/backends/octree_view.h"
+#include "mapping/octree/octree_view.h"
 
 #include <cmath>
 

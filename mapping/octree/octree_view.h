@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "mapping/backends/behind_surface.h"
 #include "mapping/map_view.h"
+#include "mapping/octree/behind_surface.h"
 #include "mapping/octree/octree.h"
 
 namespace atlas::mapping {
@@ -33,11 +33,17 @@ class OctreeView final : public MapView {
   CellState StateAt(const core::Vec3& p_map) const override {
     return ValueAt(contents_->tree.At(p_map)).state;
   }
+  /// Nothing where the voxel was never measured.
+  std::optional<CellState> MeasuredStateAt(const core::Vec3& p_map) const {
+    const int8_t held = contents_->tree.At(p_map);
+    return OccupancyField::Known(held) ? std::optional(ValueAt(held).state) : std::nullopt;
+  }
   /// Crosses in one step what its nodes hold as one value, and, where free voxels need not be told apart, all
   /// nodes that are free throughout.
   RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, const TraceLimits& limits,
                std::vector<RaySample>* samples) const override;
   void ForEachOccupied(const core::Box3& box_map, const VisitCenter& visit) const override;
+  const OctreeContents& contents() const { return *contents_; }
 
  private:
   using Chunk = OccupancyOctree::Chunk;
