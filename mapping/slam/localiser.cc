@@ -8,10 +8,10 @@ namespace atlas::mapping {
 void LocalisationParams::Visit(core::ParamVisitor& v) {
   std::vector<std::string> names;
   for (const LocaliserEntry& entry : LocaliserCatalog()) names.push_back(entry.name);
-  v.Field(
-      "name", &name,
-      {.choices = names,
-       .doc = "truth: the true pose but for noise; none: odometry alone, so drift reaches map and score"});
+  v.Field("name", &name,
+          {.choices = names,
+           .doc = "truth: the true pose but for noise; none: odometry alone, so drift reaches map and score; "
+                  "slam: a pose graph"});
   v.Field("sigma_m", &sigma_m,
           {.unit = "m",
            .min = 0.0,
@@ -25,6 +25,9 @@ void LocalisationParams::Visit(core::ParamVisitor& v) {
   v.Field(
       "period_s", &period_s,
       {.unit = "s", .min = 0.0, .max = 60.0, .doc = "truth: from one fix to the next; 0: at every state"});
+  core::AbsentFields absent(&v, "localisation.name = " + name);
+  core::ParamVisitor& none = absent;
+  slam.Visit(name == "slam" ? v : none);
 }
 
 const std::vector<LocaliserEntry>& LocaliserCatalog() {

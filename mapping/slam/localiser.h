@@ -10,6 +10,7 @@
 #include "core/params.h"
 #include "core/rng.h"
 #include "core/sensor_events.h"
+#include "mapping/slam/slam_params.h"
 
 namespace atlas::mapping {
 
@@ -18,6 +19,7 @@ struct LocalisationParams {
   double sigma_m = 0.005;      ///< truth: of T_map_base, each axis (thesis 3.3: little drift at this scale)
   double sigma_deg = 0.05;
   double period_s = 1.0;  ///< truth: from fix to fix; 0: at every state
+  SlamParams slam = {};
   void Visit(core::ParamVisitor& v);
 };
 

@@ -43,7 +43,7 @@ inline std::vector<core::Vec3f> SampleRectangles(const std::vector<SampledRectan
 }
 
 /// A room of 6 x 4 x 2.7 m with a cupboard and a table; no symmetry.
-inline std::vector<SampledRectangle> FurnishedRoom() {
+inline std::vector<SampledRectangle> SampledFurnishedRoom() {
   std::vector<SampledRectangle> room;
   AddBoxSides({{-2.5, -1.8, 0.0}, {3.5, 2.2, 2.7}}, true, &room);
   AddBoxSides({{2.4, 1.6, 0.0}, {3.5, 2.2, 2.0}}, true, &room);

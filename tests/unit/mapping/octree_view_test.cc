@@ -1,5 +1,5 @@
 // Rays through an octree against a world that sorts plane crossings: every kind of block, whatever is joined.
-#include "mapping/backends/octree_view.h"
+#include "mapping/octree/octree_view.h"
 
 #include <gtest/gtest.h>
 

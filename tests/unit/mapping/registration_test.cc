@@ -39,7 +39,7 @@ Pose Sensor(double x, double y, double z, double yaw_deg, double pitch_deg = 0.0
 }
 
 TEST(Registration, TwoSamplingsOfARoomMeetAtTheKnownTransform) {
-  const auto room = FurnishedRoom();
+  const auto room = SampledFurnishedRoom();
   const Pose T_world_a = Sensor(0.2, 0.1, 1.2, 10.0), T_world_b = Sensor(0.7, -0.4, 1.1, 25.0, 3.0);
   const SurfaceCloud a = CloudOf(room, T_world_a, 1), b = CloudOf(room, T_world_b, 2);
   const RegistrationResult found = Register(a, b, Pose::Identity(), {});
@@ -53,7 +53,7 @@ TEST(Registration, TwoSamplingsOfARoomMeetAtTheKnownTransform) {
 }
 
 TEST(Registration, ThreadsChangeNoByte) {
-  const auto room = FurnishedRoom();
+  const auto room = SampledFurnishedRoom();
   const Pose T_world_b = Sensor(0.4, -0.3, 1.1, 12.0);
   std::vector<RegistrationResult> results;
   for (const int threads : {1, 3}) {
@@ -132,7 +132,7 @@ TEST(Registration, TwoSidesOfAWallAreNotOne) {
 
 TEST(Registration, NothingToAlignIsNoSuccess) {
   const SurfaceCloud none({}, {});
-  const SurfaceCloud room = CloudOf(FurnishedRoom(), Pose::Identity(), 11);
+  const SurfaceCloud room = CloudOf(SampledFurnishedRoom(), Pose::Identity(), 11);
   for (const RegistrationResult& found :
        {Register(none, room, Pose::Identity(), {}), Register(room, none, Pose::Identity(), {}),
         Register(room, room, Sensor(500.0, 0.0, 0.0, 0.0), {})}) {
@@ -185,7 +185,7 @@ TEST(SurfaceCloud, NormalsOfARoomFaceItsInside) {
 }
 
 TEST(SurfaceCloud, NearestIsThatOfASearchThroughAll) {
-  const SurfaceCloud cloud = CloudOf(FurnishedRoom(), Pose::Identity(), 14, 0.3);
+  const SurfaceCloud cloud = CloudOf(SampledFurnishedRoom(), Pose::Identity(), 14, 0.3);
   core::Rng rng(15);
   for (int k = 0; k < 300; ++k) {
     const Vec3f p = Vec3(rng.Uniform(-3, 4), rng.Uniform(-3, 3), rng.Uniform(-1, 3)).cast<float>();
