@@ -19,6 +19,7 @@ struct CloudScore {
   core::Pose T_truth_cloud = core::Pose::Identity();
   double seconds = 0.0;  ///< wall-clock time since the last score
   size_t map_bytes = 0;
+  size_t submaps = 1;
   std::optional<double> explored_m3 = {};
 };
 

@@ -251,6 +251,38 @@ void CoverageMeter::Take(const mapping::ReturnCloud& cloud) {
   Count(counted);
 }
 
+void CoverageMeter::Take(const mapping::ReturnCloud& cloud, core::KeyframeId keyframe,
+                         const core::PoseSource& poses) {
+  const size_t begin = kept_.points.size();
+  Take(cloud);
+  stretches_.push_back({keyframe, begin, kept_.points.size(), poses.T_map_keyframe(keyframe)});
+}
+
+void CoverageMeter::Correct(const core::PoseSource& poses) {
+  bool moved = false;
+  for (Stretch& stretch : stretches_) {
+    const Pose T_map_keyframe = poses.T_map_keyframe(stretch.keyframe);
+    if (T_map_keyframe.matrix() == stretch.T_map_keyframe.matrix()) continue;
+    const Eigen::Isometry3f move = (T_map_keyframe * stretch.T_map_keyframe.inverse()).cast<float>();
+    for (size_t i = stretch.begin; i < stretch.end; ++i) {
+      kept_.points[i] = move * kept_.points[i];
+      kept_.origins[i] = move * kept_.origins[i];
+    }
+    stretch.T_map_keyframe = T_map_keyframe;
+    moved = true;
+  }
+  if (!moved) return;
+  raw_.Reset();
+  raw_.AddPoints(kept_.points, Pose::Identity());
+  Recount();
+}
+
+void CoverageMeter::Recount() {
+  aligned_.Reset();
+  outer_.Reset();
+  Count(0);
+}
+
 void CoverageMeter::Count(size_t first) {
   const auto points = std::span<const Vec3f>(kept_.points).subspan(first),
              origins = std::span<const Vec3f>(kept_.origins).subspan(first);
@@ -263,10 +295,8 @@ void CoverageMeter::Align() {
       AlignToTruth(kept_.points, *grid_, truth_.points, truth_.normals, T_truth_cloud_, AlignOptions{})
           .T_truth_cloud;
   if (CornerMotion(truth_box_, T_truth_cloud_, T_counted_) <= options_.recount_above_m) return;
-  aligned_.Reset();
-  outer_.Reset();
   T_counted_ = T_truth_cloud_;
-  Count(0);
+  Recount();
 }
 
 void CoverageMeter::SetSurroundings(const std::vector<Vec3f>& points) {

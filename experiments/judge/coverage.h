@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/keyframe.h"
 #include "core/mesh.h"
 #include "experiments/judge/point_grid.h"
 #include "mapping/cloud/scan_cloud.h"
@@ -137,6 +138,10 @@ class CoverageMeter {
   /// AddCloud in two: any number of clouds, scored under the latest fit; then the fit of all and its score.
   void Take(const mapping::ReturnCloud& cloud);
   void Align();
+  /// Take() of what belongs to a keyframe, and moves with it from now on.
+  void Take(const mapping::ReturnCloud& cloud, core::KeyframeId keyframe, const core::PoseSource& poses);
+  /// Moves what was taken to where its keyframes are; where that changes anything, all is counted anew.
+  void Correct(const core::PoseSource& poses);
 
   double coverage_raw() const { return raw_.coverage_raw(); }
   double coverage() const { return aligned_.coverage_raw(); }
@@ -158,8 +163,16 @@ class CoverageMeter {
   CloudError MeasureCloudError(const core::Box3& object_box) const;
 
  private:
+  /// Returns that were taken together, [begin, end) of kept_.
+  struct Stretch {
+    core::KeyframeId keyframe;
+    size_t begin, end;
+    core::Pose T_map_keyframe;  ///< as they lie
+  };
+
   /// Counts the kept returns from `first` on, under T_counted_.
   void Count(size_t first);
+  void Recount();
 
   const scenes::GroundTruth& truth_;
   Options options_;
@@ -171,6 +184,7 @@ class CoverageMeter {
   core::Pose T_truth_cloud_ = core::Pose::Identity();  // latest fit
   core::Pose T_counted_ = core::Pose::Identity();      // fit that aligned_ and outer_ were counted under
   mapping::ReturnCloud kept_;
+  std::vector<Stretch> stretches_;
 };
 
 }  // namespace atlas::experiments

@@ -9,6 +9,7 @@
 #include "core/geometry.h"
 #include "core/table.h"
 #include "experiments/judge/cloud_score.h"
+#include "experiments/judge/place_errors.h"
 #include "experiments/judge/scan_times.h"
 #include "planner/decision.h"
 #include "sim/simulator.h"
@@ -38,6 +39,8 @@ struct JudgedRun {
   std::optional<double> attainable_m3;  ///< of scenes to explore
   sim::SafetyCounts safety;
   CloudScore score;
+  std::optional<TrajectoryErrors> trajectory = {};
+  size_t submaps = 1;
 };
 
 /// From what kind of run.

@@ -16,12 +16,14 @@
 #include "experiments/identity/version.h"
 #include "experiments/judge/attainable.h"
 #include "experiments/judge/scene_surface.h"
+#include "experiments/results/map_slice.h"
 #include "experiments/results/scored_files.h"
 
 namespace atlas::experiments {
 namespace {
 
 constexpr double kPoseLogRateHz = 10.0;
+constexpr double kSliceHeightM = 0.5;  ///< of map_slice.pgm above the spawn: below tables, above kerbs
 
 RunSummary SummaryOf(const ExperimentConfig& config) {
   const RunIdentity identity = IdentityOf(config);
@@ -146,15 +148,23 @@ void MissionMetrics::SampleSurroundings() {
   meter_->SetSurroundings(SampleBackground(scene_, scene_.object_box.Inflated(0.3), 0.02));
 }
 
-void MissionMetrics::TakeCloud(const mapping::ReturnCloud& cloud) {
+void MissionMetrics::ObservePlace(const core::Anchor& base, const core::Pose& T_map_base,
+                                  std::shared_ptr<const core::PoseSource> poses) {
+  places_.Observe({base, T_map_base, simulator_->T_odom_base(), simulator_->TrueBasePose()});
+  poses_ = std::move(poses);
+}
+
+void MissionMetrics::TakeCloud(const mapping::ReturnCloud& cloud, core::KeyframeId keyframe,
+                               const core::PoseSource& poses) {
   const core::Stopwatch measuring;
-  meter_->Take(cloud);
+  meter_->Take(cloud, keyframe, poses);
   scored_.seconds += measuring.seconds();
 }
 
-void MissionMetrics::ScoreClouds(const mapping::Map& map) {
+void MissionMetrics::ScoreClouds(const mapping::Map& map, const core::PoseSource& poses) {
   const core::Stopwatch measuring;
   SampleSurroundings();
+  meter_->Correct(poses);
   meter_->Align();
   scored_.coverage_raw = meter_->coverage_raw();
   scored_.coverage = meter_->coverage();
@@ -166,6 +176,7 @@ void MissionMetrics::ScoreClouds(const mapping::Map& map) {
   scored_.returns = meter_->kept().points.size();
   scored_.T_truth_cloud = meter_->T_truth_cloud_counted();
   scored_.map_bytes = map.Bytes();
+  scored_.submaps = map.SubmapCount();
   if (volume_) scored_.explored_m3 = volume_->ExploredM3(*map.Snapshot());
   scored_.seconds += measuring.seconds();
 }
@@ -202,7 +213,9 @@ void MissionMetrics::Summarise(double sim_time_s, double distance_m, double wall
                       .attainable = attainable_share_,
                       .attainable_m3 = volume_ ? std::optional(volume_->attainable_m3()) : std::nullopt,
                       .safety = simulator_ != nullptr ? simulator_->safety() : sim::SafetyCounts{},
-                      .score = score_};
+                      .score = score_,
+                      .trajectory = poses_ ? places_.Errors(*poses_) : std::nullopt,
+                      .submaps = score_.submaps};
   core::Row measured;
   for (const auto& metric : metrics_) metric->Summarise(run, &measured);
   core::Row* numbers = &recorder_->mutable_summary()->numbers;
@@ -226,6 +239,10 @@ void MissionMetrics::Save(const mapping::Map& map) {
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
                             PartsCsv(truth_, attainable_, score_.covered, score_.covered_outer));
   map.Save(options_.folder);
+  if (const auto view = map.Snapshot()) {
+    const double height_m = scene_.T_map_spawn.translation().z() + kSliceHeightM;
+    WriteMapSlice(options_.folder, *view, scene_.object_box, height_m);
+  }
   core::WriteFileAtomically(options_.folder / "log.txt", log_);
 }
 

@@ -35,11 +35,16 @@ class MissionMetrics {
   void ObserveSweep(const core::Pose& T_map_base);
   void ObserveMap(size_t cloud_points, double integration_ms, size_t new_surface);
 
-  void TakeCloud(const mapping::ReturnCloud& cloud);
-  /// Scores all clouds so far.
-  void ScoreClouds(const mapping::Map& map);
+  /// A cloud in the map frame, which moves with its keyframe from now on.
+  void TakeCloud(const mapping::ReturnCloud& cloud, core::KeyframeId keyframe, const core::PoseSource& poses);
+  /// Scores all clouds so far, where their keyframes are now.
+  void ScoreClouds(const mapping::Map& map, const core::PoseSource& poses);
   /// The scan's row takes the score.
   void AdoptScore();
+
+  /// Where the localiser placed a revolution, with the truth of the moment.
+  void ObservePlace(const core::Anchor& base, const core::Pose& T_map_base,
+                    std::shared_ptr<const core::PoseSource> poses);
 
   void FinishScan(const planner::Decision& decision, const planner::DecisionLog& log);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
@@ -84,6 +89,8 @@ class MissionMetrics {
   std::string log_;           ///< lines that stay
   double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
   GroundPlan ground_;
+  PlaceErrors places_;
+  std::shared_ptr<const core::PoseSource> poses_;  ///< the latest
   int scans_begun_ = 0, scans_finished_ = 0;
   double distance_m_ = 0.0;
   std::optional<double> attainable_share_;

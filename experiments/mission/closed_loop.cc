@@ -29,15 +29,17 @@ std::optional<Ending> SweepAndIntegrate(Mission* m) {
   const sim::MotionStatus stood = m->simulator->Stand(m->config.mission.integration_latency_s);
 
   const SensorFeed::Mapped mapped = m->feed.DrainMap();
+  const auto poses = m->localiser->poses();
+  m->map->Correct(*poses);
   m->film.ObserveMap(mapping::OccupiedCenters(*m->map->Snapshot(), m->region));
   const core::Stopwatch updating;
   m->feed.AdoptTerrain();
   m->metrics.timing().terrain_ms = 1e3 * updating.seconds();
   const size_t new_surface = m->surface.CountNew(m->returns_map, m->Ground());
   m->returns_map.clear();
-  m->planner->OnScan({T_map_base, new_surface}, *m->localiser->poses());
+  m->planner->OnScan({T_map_base, new_surface}, *poses);
   m->metrics.ObserveMap(mapped.cloud_points, 1e3 * mapped.integration_s, new_surface);
-  m->lanes.Post(kMapLane, [m] { m->metrics.ScoreClouds(*m->map); });
+  m->lanes.Post(kMapLane, [m, poses] { m->metrics.ScoreClouds(*m->map, *poses); });
   return EndingOf(stood);
 }
 

@@ -76,9 +76,15 @@ SensorFeed::Listeners Mission::Listeners() {
           .map = map.get(),
           .cloud = &cloud,
           .on_localised = [this](const core::Pose& T_map_odom) { simulator->SetLocalisation(T_map_odom); },
+          .on_placed =
+              [this](const core::AnchoredSpin& placed) {
+                metrics.ObservePlace({placed.keyframe, placed.T_keyframe_odom * simulator->T_odom_base()},
+                                     T_map_base(), localiser->poses());
+              },
           .on_cloud =
-              [this](const mapping::ReturnCloud& returns) {
-                metrics.TakeCloud(returns);
+              [this](const mapping::ReturnCloud& returns, core::KeyframeId keyframe,
+                     const core::PoseSource& poses) {
+                metrics.TakeCloud(returns, keyframe, poses);
                 returns_map.insert(returns_map.end(), returns.points.begin(), returns.points.end());
               }};
 }

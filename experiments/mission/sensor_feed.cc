@@ -58,6 +58,7 @@ void SensorFeed::OnState(const core::StateEvent& event) {
 void SensorFeed::OnSpin(const std::shared_ptr<const core::SpinEvent>& spin) {
   Ingest([spin](mapping::ElevationMap* terrain) { terrain->OnSpin(spin); });
   const core::AnchoredSpin placed = to_.localiser->Place(spin);
+  to_.on_placed(placed);
   const bool wanted =
       mapping_ == Mapping::kEverything || (mapping_ == Mapping::kScanning && placed.spin->scanning);
   if (wanted) {
@@ -77,7 +78,7 @@ void SensorFeed::Map(const core::AnchoredSpin& spin, const core::PoseSource& pos
   mapped_.integration_s += integrating.seconds();
   const mapping::ReturnCloud cloud = to_.cloud->Add(*spin.spin, spin.T_map_odom(poses));
   mapped_.cloud_points += cloud.points.size();
-  to_.on_cloud(cloud);
+  to_.on_cloud(cloud, spin.keyframe, poses);
 }
 
 SensorFeed::Mapped SensorFeed::DrainMap() {

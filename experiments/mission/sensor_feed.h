@@ -42,7 +42,10 @@ class SensorFeed : public core::SensorSink {
     mapping::Map* map;
     mapping::ScanCloud* cloud;  ///< of all revolutions between two drains; touched by tasks of kMapLane
     std::function<void(const core::Pose& T_map_odom)> on_localised;
-    std::function<void(const mapping::ReturnCloud& cloud_map)> on_cloud;  ///< from tasks of kMapLane
+    std::function<void(const core::AnchoredSpin&)> on_placed;
+    /// From tasks of kMapLane: the returns of a revolution in the map frame, and what they move with.
+    std::function<void(const mapping::ReturnCloud& cloud_map, core::KeyframeId, const core::PoseSource&)>
+        on_cloud;
   };
 
   /// `lanes` ends before the listeners.

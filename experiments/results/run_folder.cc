@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/files.h"
 #include "core/named_files.h"
+#include "experiments/results/map_slice.h"
 #include "experiments/results/run_summary.h"
 #include "robots/robot_files.h"
 #include "robots/robot_spec.h"
@@ -37,11 +38,15 @@ constexpr const char* kRunFiles[] = {"summary.json",
                                      "recording.bin",
                                      "terrain.pgm",
                                      "terrain.yaml",
+                                     kMapSliceImage,
+                                     kMapSliceLegend,
                                      "blocked_ways.csv",
                                      "exit_code",
                                      "video.mp4",
                                      "log.txt"};
 constexpr const char* kInputFolders[] = {"scene", "robot"};
+/// Submaps and their list, of `mapper.name: atlas`.
+constexpr const char* kAtlasFolder = "atlas";
 /// What lies in kInputFolders because a run put it there: a path a line.
 constexpr const char* kInputsFile = "inputs.txt";
 
@@ -99,8 +104,24 @@ void RemoveInputs(const fs::path& folder) {
   Remove(list);
 }
 
+/// The submaps of a run, and nothing that the user put beside them.
+void RemoveAtlas(const fs::path& folder) {
+  const fs::path atlas = folder / kAtlasFolder;
+  std::error_code error;
+  if (fs::is_symlink(fs::symlink_status(atlas)) || !fs::is_directory(atlas, error)) return;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(atlas, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool submap = name.starts_with("submap_") && name.ends_with(".atlas");
+    if (submap || name == "submaps.csv") files.push_back(entry.path());
+  }
+  for (const fs::path& file : files) Remove(file);
+  RemoveIfEmpty(atlas);
+}
+
 /// All of a run but its summary.
 void RemoveResults(const fs::path& folder) {
+  RemoveAtlas(folder);
   for (const char* name : kRunFiles) {
     if (std::string_view(name) != "summary.json") Remove(folder / name);
   }
@@ -189,7 +210,9 @@ std::string RunFileIn(const fs::path& folder) {
   for (const char* name : kInputFolders) {
     if (stands(name)) return name;
   }
-  if (stands(kInputsFile)) return kInputsFile;
+  for (const char* name : {kInputsFile, kAtlasFolder}) {
+    if (stands(name)) return name;
+  }
   for (const char* name : kRunFiles) {
     if (stands(name)) return name;
   }

@@ -1,4 +1,5 @@
 // `atlas map`, `mesh`, `eval` and `export` as a user meets them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -137,8 +138,8 @@ TEST_F(MapCommand, InterruptLeavesAWholeMap) {
   fs::create_directories(dir_ / "long" / "scans");
   for (int i = 0; i < kScans; ++i) {
     fs::create_symlink(dir_ / "log" / "scans" / "100.000.pcd",
-                       dir_ / "long" / "scans" / (std::to_string(1000 + i) + ".000.pcd"));
-    poses += std::to_string(1000 + i) + " 0 0 0 0 0 0 1\n";
+                       dir_ / "long" / "scans" / fmt::format("{}.000.pcd", 1000 + i));
+    poses += fmt::format("{} 0 0 0 0 0 0 1\n", 1000 + i);
   }
   Write("long/poses.tum", poses);
   const pid_t child = fork();

@@ -14,7 +14,8 @@ class PoseGraphCommandLine : public CommandLine {
   /// Writes the rooms as graph.g2o with ids 5, 6, ..., and where they truly are.
   void WriteRooms(double false_share) {
     RoomGraph rooms = MakeRoomGraph(200, 4, core::Rng(8));
-    mapping::G2oGraph file{.graph = rooms.AtTruth()};
+    mapping::G2oGraph file;
+    file.graph = rooms.AtTruth();
     for (uint32_t node = 0; node < 200; ++node) file.id.push_back(5 + node);
     mapping::WriteG2o(dir_ / "true.g2o", file);
     mapping::AddFalseLoops({.kind = mapping::FalseLoopKind::kRandom, .share = false_share}, core::Rng(1),

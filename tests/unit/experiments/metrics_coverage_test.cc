@@ -8,6 +8,7 @@
 #include "experiments/judge/align.h"
 #include "experiments/judge/point_grid.h"
 #include "experiments/judge/scene_surface.h"
+#include "mapping/slam/fixed_poses.h"
 
 namespace atlas::experiments {
 namespace {
@@ -266,6 +267,33 @@ TEST(CoverageMeter, AlignmentGivesBackWhatDriftTook) {
   const std::vector<PartCoverage> parts = CoverageByPart(truth, meter.covered());
   ASSERT_EQ(parts.size(), 3u);
   EXPECT_GT(parts[2].share(), 0.99);
+}
+
+TEST(CoverageMeter, ACloudMovesWithItsKeyframe) {
+  const scenes::GroundTruth truth = SampledBox({1.5, 0.8, 0.6}, 0.01);
+  // What keyframe 1 sees is 20 cm off, until a loop closes. Keyframe 0 holds still.
+  const core::Pose right = core::PoseFromXyzYaw({3.0, 1.0, 0.0}, 0.5),
+                   wrong = core::PoseFromXyzYaw({3.0, 1.2, 0.0}, 0.52);
+  const Eigen::Isometry3f move = (wrong * right.inverse()).cast<float>();
+  mapping::ReturnCloud first, second;
+  for (size_t i = 0; i < truth.points.size(); ++i) {
+    const Vec3f &p = truth.points[i], o = p + truth.normals[i];
+    p.x() < 0.0f ? first.Add(p, o) : second.Add(move * p, move * o);
+  }
+  const mapping::FixedPoses before({core::Pose::Identity(), wrong}), after({core::Pose::Identity(), right});
+  CoverageMeter meter(truth, {});
+  meter.Take(first, 0, before);
+  meter.Take(second, 1, before);
+  meter.Align();
+  EXPECT_LT(meter.coverage_outer(), 0.8);
+  meter.Correct(after);
+  meter.Align();
+  EXPECT_GT(meter.coverage_raw(), 0.999);
+  EXPECT_GT(meter.coverage_outer(), 0.999);
+  ASSERT_EQ(meter.kept().points.size(), truth.points.size());
+  const double all = meter.coverage();
+  meter.Correct(after);
+  EXPECT_EQ(meter.coverage(), all) << "nothing moved";
 }
 
 TEST(CoverageMeter, CloudErrorIsTheDistanceToTheSurfaceAndLeavesTheGroundOut) {

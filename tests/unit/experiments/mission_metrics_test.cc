@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "mapping/slam/fixed_poses.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
 #include "tests/support/csv_rows.h"
@@ -71,8 +72,8 @@ class MissionMetricsTest : public ::testing::Test {
                                const planner::Decision& decision = planner::GoScan{}) {
     metrics_->BeginScan();
     metrics_->ObserveSweep(core::Pose::Identity());
-    metrics_->TakeCloud(cloud);
-    metrics_->ScoreClouds(map_);
+    metrics_->TakeCloud(cloud, 0, poses_);
+    metrics_->ScoreClouds(map_, poses_);
     metrics_->AdoptScore();
     metrics_->FinishScan(decision, log);
     return tests::ReadCsv(options_.folder / "steps.csv").back();
@@ -90,6 +91,7 @@ class MissionMetricsTest : public ::testing::Test {
   scenes::GroundTruth truth_;
   tests::FakeSimulator simulator_;
   SilentMap map_;
+  mapping::FixedPoses poses_{{core::Pose::Identity()}};
   std::optional<MissionMetrics> metrics_;
 };
 
@@ -193,7 +195,7 @@ TEST_F(MissionMetricsTest, TheDecisionOfAScanStandsInItsRow) {
   metrics_->BeginScan();
   metrics_->ObserveSweep(core::PoseFromXyzYaw({1.0, 2.0, 3.0}, 0.5));
   metrics_->ObserveMap(777, 1.0, 88);
-  metrics_->ScoreClouds(map_);
+  metrics_->ScoreClouds(map_, poses_);
   metrics_->AdoptScore();
   metrics_->FinishScan(planner::GoScan{}, decision);
   metrics_->ObserveWalk({.distance_m = 6.5}, 0.0);
@@ -284,7 +286,7 @@ TEST_F(MissionMetricsTest, WhatCameAfterTheLastScoreCountsNowhere) {
   for (size_t i = 0; i < truth_.points.size(); ++i)
     all.Add(truth_.points[i] + 0.01f * truth_.normals[i], truth_.points[i] + truth_.normals[i]);
   const tests::CsvRow row = ScanOf({truth_.points.size() / 2});
-  metrics_->TakeCloud(all);
+  metrics_->TakeCloud(all, 0, poses_);
   const RunSummary summary = Finish(RunStatus::kRobotFell, StopReason::kFell);
   EXPECT_LT(summary.Number("coverage").value(), 0.1);
   EXPECT_LT(summary.Number("cloud_error_m_mean").value(), 0.001);

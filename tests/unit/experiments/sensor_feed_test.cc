@@ -80,7 +80,9 @@ class SensorFeedTest : public ::testing::TestWithParam<bool> {
               .map = &map,
               .cloud = &cloud,
               .on_localised = [this](const core::Pose& T) { told_x.push_back(T.translation().x()); },
-              .on_cloud = [this](const mapping::ReturnCloud& returns) { heard += returns.points.size(); }},
+              .on_placed = [](const core::AnchoredSpin&) {},
+              .on_cloud = [this](const mapping::ReturnCloud& returns, core::KeyframeId,
+                                 const core::PoseSource&) { heard += returns.points.size(); }},
              &lanes),
         lanes(kTaskLanes, GetParam()) {
     terrain.InitialiseUnderRobot(core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0));
