@@ -79,9 +79,13 @@ void Atlas::Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses
     return cloud;
   };
   if (keyframe_) travelled_m_ += (place_map - latest_place_.p_map(poses)).norm();
-  const bool fits = active_ != nullptr && travelled_m_ <= params_.lambda_odom_m &&
-                    active_->cloud.ShareNear(cloud_in(*active_)) >= params_.cloud_overlap;
-  if (!fits) Spawn(spin.keyframe, poses);
+  const double overlap = active_ != nullptr ? active_->cloud.ShareNear(cloud_in(*active_)) : 0.0;
+  const bool fits =
+      active_ != nullptr && travelled_m_ <= params_.lambda_odom_m && overlap >= params_.cloud_overlap;
+  if (!fits) {
+    Spawn(spin.keyframe, poses);
+    active_->overlap = overlap;
+  }
   active_->keyframes.push_back(spin.keyframe);
   active_->cloud.Add(cloud_in(*active_));
   keyframe_ = spin.keyframe;

@@ -22,6 +22,7 @@ struct Submap {
   CopyOnWrite<OctreeContents> contents;
   core::Box3 bounds_submap;  ///< of all that it can know: whole chunks
   OverlapCloud cloud;        ///< accumulated, submap frame
+  double overlap = 0.0;      ///< of its root's cloud with the submap in use before (thesis Alg. 1)
   uint64_t latest = 0;       ///< the atlas's count of revolutions when this submap last took one
 };
 

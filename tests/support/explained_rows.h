@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,9 +15,21 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/files.h"
 #include "experiments/identity/experiment_config.h"
 
 namespace atlas::tests {
+
+/// What a file holds, or all files of a folder, by their names.
+inline std::string ContentOf(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return core::ReadFile(path);
+  std::map<std::string, std::string> files;
+  for (const auto& file : std::filesystem::directory_iterator(path))
+    files[file.path().filename().string()] = core::ReadFile(file.path());
+  std::string content;
+  for (const auto& [name, text] : files) content += name + text;
+  return content;
+}
 
 /// Numbers and texts one after another, kept as a hash: two that differ were not told the same.
 class Digest {

@@ -13,10 +13,10 @@ class PoseGraphCommandLine : public CommandLine {
  protected:
   /// Writes the rooms as graph.g2o with ids 5, 6, ..., and where they truly are.
   void WriteRooms(double false_share) {
-    RoomGraph rooms = MakeRoomGraph(200, 4, core::Rng(8));
+    RoomGraph rooms = MakeRoomGraph(300, 5, core::Rng(8));
     mapping::G2oGraph file;
     file.graph = rooms.AtTruth();
-    for (uint32_t node = 0; node < 200; ++node) file.id.push_back(5 + node);
+    for (uint32_t node = 0; node < 300; ++node) file.id.push_back(5 + node);
     mapping::WriteG2o(dir_ / "true.g2o", file);
     mapping::AddFalseLoops({.kind = mapping::FalseLoopKind::kRandom, .share = false_share}, core::Rng(1),
                            &file.graph);
@@ -38,7 +38,7 @@ TEST_F(PoseGraphCommandLine, PrintsCostsInAllConventions) {
   const Outcome outcome = Atlas("posegraph graph.g2o");
   EXPECT_EQ(outcome.exit_code, 0);
   for (const std::string word : {"log-map, with 1/2", "chordal isotropic, without 1/2", "chi2 of g2o",
-                                 "initial", "final", "time", "edges rejected: 0", "200 nodes"})
+                                 "initial", "final", "time", "edges rejected: 0", "300 nodes"})
     EXPECT_NE(outcome.text.find(word), std::string::npos) << word << "\n" << outcome.text;
 }
 
@@ -73,7 +73,7 @@ TEST_F(PoseGraphCommandLine, BadFilesAreRefusedInOneLine) {
   ExpectRefusal("posegraph none.g2o", {"none.g2o"});
   WriteRooms(0.0);
   Write("short.tum", "0 0 0 0 0 0 0 1\n");
-  ExpectRefusal("posegraph graph.g2o --truth short.tum", {"short.tum", "1 poses", "200 nodes"});
+  ExpectRefusal("posegraph graph.g2o --truth short.tum", {"short.tum", "1 poses", "300 nodes"});
   ExpectRefusal("posegraph graph.g2o --robust gmc", {"did you mean 'gnc'"});
 }
 

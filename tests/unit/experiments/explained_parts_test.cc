@@ -134,12 +134,17 @@ std::string MapperTells(const tests::TinyMissions& missions, const std::vector<t
                                        .behind_surface = true});
   Digest told;
   const core::Box3 box = mapping::RegionOf(config.mapper, kBlockBox);
+  std::vector<core::Pose> T_map_keyframe;  // a keyframe a sweep
   for (const tests::PlacedSpins& sweep : sweeps) {
-    tests::Integrate(sweep, mapper.get());
+    const auto keyframe = static_cast<core::KeyframeId>(T_map_keyframe.size());
+    T_map_keyframe.push_back(sweep.T_map_odom);
+    for (const core::SpinEvent& spin : sweep.spins)
+      mapper->Integrate({.spin = tests::Shared(spin), .keyframe = keyframe},
+                        mapping::FixedPoses(T_map_keyframe));
     told.Add(
         tests::CloudOf(sweep, box, config.mapper.integrator.max_range_m, config.mapper.downsample_m).points);
   }
-  told.Add(core::ReadFile(missions.folder() / mapper->Save(missions.folder())));
+  told.Add(tests::ContentOf(missions.folder() / mapper->Save(missions.folder())));
   const auto view = mapper->Snapshot();
   std::vector<mapping::RaySample> samples;
   for (int i = 0; i < 800; ++i) {  // from the front and from behind
@@ -173,6 +178,8 @@ const Settings kOfTheIntegrator = {
 TEST(ExplainedParts, OfEveryMapperAct) {
   Settings settings = kOfTheIntegrator;
   settings["mapper.max_scale"] = {{"mapper.resolution_m=0.008"}, "1"};  // the object is near
+  settings["mapper.lambda_odom_m"] = {{"mapper.cloud_overlap=0"}, "1"};
+  settings["mapper.cloud_overlap"] = {{}, "0"};
   const tests::TinyMissions missions;
   const std::vector<tests::PlacedSpins> sweeps = SweepsOfABlock();
   ParameterProbe probe = ProbeOf(

@@ -49,7 +49,9 @@ Fed FeedAll(const std::vector<JudgedScan>& scans) {
                       .attainable = 0.9,
                       .attainable_m3 = 50.0,
                       .safety = scans.back().safety,
-                      .score = scans.back().score};
+                      .score = scans.back().score,
+                      .trajectory = TrajectoryErrors{3.0, 2.0, 1.0, 7},
+                      .submaps = 5};
   for (const auto& metric : metrics) metric->Summarise(run, &fed.summary);
   return fed;
 }
@@ -79,6 +81,11 @@ TEST(Metrics, WriteTheColumnsThatTheyDeclareAndNoOthers) {
 TEST(Metrics, SummariesFollowTheScans) {
   const core::Row s = FeedAll({Scan(1, 0.4), Scan(2, 0.92)}).summary;
   EXPECT_EQ(s.Number("scans"), 2.0);
+  EXPECT_EQ(s.Number("ate_odometry_m"), 3.0);
+  EXPECT_EQ(s.Number("ate_believed_m"), 2.0);
+  EXPECT_EQ(s.Number("ate_m"), 1.0);
+  EXPECT_EQ(s.Number("keyframes"), 7.0);
+  EXPECT_EQ(s.Number("submaps"), 5.0);
   EXPECT_NEAR(*s.Number("coverage"), 0.828, 1e-9);
   EXPECT_NEAR(*s.Number("coverage_of_attainable"), 0.92, 1e-9);
   EXPECT_NEAR(*s.Number("coverage_attainable"), 0.9, 1e-9);

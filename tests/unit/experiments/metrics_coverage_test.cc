@@ -285,7 +285,7 @@ TEST(CoverageMeter, ACloudMovesWithItsKeyframe) {
   meter.Take(first, 0, before);
   meter.Take(second, 1, before);
   meter.Align();
-  EXPECT_LT(meter.coverage_outer(), 0.8);
+  EXPECT_LT(meter.coverage_outer(), 0.9);
   meter.Correct(after);
   meter.Align();
   EXPECT_GT(meter.coverage_raw(), 0.999);
