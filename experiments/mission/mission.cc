@@ -50,7 +50,8 @@ Mission::Mission(const ExperimentConfig& given, const RunOptions& run_options)
       simulator(sim::MakeSimulator(scene, robot, SimParamsOf(config, options), rng.Split("sim"))),
       region(mapping::RegionOf(config.mapper, scene.object_box)),
       map(mapping::MakeMap(config.mapper, MapSetupOf(config, robot, region))),
-      localiser(MakeLocaliserFor(config, scene, *simulator, rng.Split("sim").Split("odometry"))),
+      localiser(
+          MakeLocaliserFor(config, scene, *simulator, options.threads, rng.Split("sim").Split("odometry"))),
       cloud(region, config.mapper.integrator.max_range_m, config.mapper.downsample_m),
       terrain(config.planner.terrain, robot),
       feed({}, Listeners(), &lanes),

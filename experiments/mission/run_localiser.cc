@@ -3,9 +3,11 @@
 namespace atlas::experiments {
 
 mapping::LocaliserStart LocaliserStartFor(const ExperimentConfig& config, const scenes::SceneSpec& scene,
-                                          const sim::Simulator& simulator) {
-  mapping::LocaliserStart start{
-      .T_map_odom = scene.T_map_spawn, .T_odom_base = simulator.T_odom_base(), .T_map_base_true = {}};
+                                          const sim::Simulator& simulator, int threads) {
+  mapping::LocaliserStart start{.T_map_odom = scene.T_map_spawn,
+                                .T_odom_base = simulator.T_odom_base(),
+                                .T_map_base_true = {},
+                                .threads = threads};
   // An empty function throws when it is called: a leak does not go unnoticed.
   if (config.localisation.name == "truth") {
     start.T_map_base_true = [&simulator] { return simulator.TrueBasePose(); };
@@ -15,8 +17,10 @@ mapping::LocaliserStart LocaliserStartFor(const ExperimentConfig& config, const 
 
 std::unique_ptr<mapping::Localiser> MakeLocaliserFor(const ExperimentConfig& config,
                                                      const scenes::SceneSpec& scene,
-                                                     const sim::Simulator& simulator, const core::Rng& rng) {
-  return mapping::MakeLocaliser(config.localisation, LocaliserStartFor(config, scene, simulator), rng);
+                                                     const sim::Simulator& simulator, int threads,
+                                                     const core::Rng& rng) {
+  return mapping::MakeLocaliser(config.localisation, LocaliserStartFor(config, scene, simulator, threads),
+                                rng);
 }
 
 }  // namespace atlas::experiments

@@ -11,11 +11,12 @@ namespace atlas::experiments {
 
 /// What a run's localiser starts from; the truth is there for `truth` alone. `simulator` outlives it.
 mapping::LocaliserStart LocaliserStartFor(const ExperimentConfig& config, const scenes::SceneSpec& scene,
-                                          const sim::Simulator& simulator);
+                                          const sim::Simulator& simulator, int threads);
 
 /// The localiser of a run, at its start. `simulator` outlives it.
 std::unique_ptr<mapping::Localiser> MakeLocaliserFor(const ExperimentConfig& config,
                                                      const scenes::SceneSpec& scene,
-                                                     const sim::Simulator& simulator, const core::Rng& rng);
+                                                     const sim::Simulator& simulator, int threads,
+                                                     const core::Rng& rng);
 
 }  // namespace atlas::experiments

@@ -35,6 +35,8 @@ class Localiser {
   virtual core::Pose T_map_odom() const = 0;
   /// Holds every keyframe so far.
   virtual std::shared_ptr<const core::PoseSource> poses() const = 0;
+  /// At the end: waits for what is still being worked out, and takes it over.
+  virtual void Settle() {}
 };
 
 /// What a localiser starts from.
@@ -44,6 +46,7 @@ struct LocaliserStart {
   /// The true T_map_base at the time of the latest state: for the localiser `truth` alone,
   /// empty for all others.
   std::function<core::Pose()> T_map_base_true;
+  int threads = 1;  ///< more than one: loops are sought beside the caller; results do not depend on it
 };
 
 struct LocaliserEntry {

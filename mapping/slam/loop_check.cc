@@ -101,6 +101,7 @@ RangeView::RangeView(std::span<const Vec3f> p_here) {
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       const size_t cell = static_cast<size_t>(row * kColumns + column);
+      if (nearest[cell] == 0.0f) continue;  // past the field of view's edge nothing passed
       for (int r = std::max(0, row - 1); r <= std::min(kRows - 1, row + 1); ++r) {
         for (const int dc : {-1, 0, 1}) {
           const size_t at = static_cast<size_t>(r * kColumns + (column + dc + kColumns) % kColumns);

@@ -1,13 +1,23 @@
-// `localisation.name: slam`. A keyframe is a node of a pose graph: the base, wherever odometry had gone
-// node_spacing from the node before. Its first revolution is its cloud; where that fits an older node's, a
-// loop closes and all keyframes move (thesis 4.4.1, 4.7).
+// `localisation.name: slam`, the front end (thesis Fig. 4.6). A keyframe is a node of a pose graph: the base,
+// wherever odometry had gone node_spacing from the node before. When the next one begins, the back end is
+// handed what the node saw; where that fits an older node's cloud, a loop closes and all keyframes move
+// (thesis 4.4.1, 4.7), `latency_s` of simulated time later, whatever the machine and the number of threads:
+//
+//     node k ends ──────── latency_s ───────> its loops take effect ──> ... full_latency_s: a full robust
+//     pass
+//        └ back end: loops, warm solve ┘          (waits for the back end where that is late)
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <optional>
 #include <utility>
 
+#include "core/task_lanes.h"
+
 #include "mapping/cloud/undistort.h"
+#include "mapping/slam/back_end.h"
 #include "mapping/slam/builders.h"
 #include "mapping/slam/graph_poses.h"
-#include "mapping/slam/loop_search.h"
-#include "mapping/slam/pose_graph_slam.h"
 
 namespace atlas::mapping {
 
@@ -21,17 +31,31 @@ void SlamParams::Visit(core::ParamVisitor& v) {
            .doc = "slam: odometry's error after 2 m (standard deviation of each axis)"});
   v.Field("odometry_sigma_deg", &odometry_sigma_deg,
           {.unit = "deg", .min = 1e-3, .max = 10.0, .doc = "slam: likewise of its rotation"});
-  v.Field("loop_sigma_m", &loop_sigma_m,
-          {.unit = "m", .min = 1e-4, .max = 1.0, .doc = "slam: a registration's error (each axis)"});
-  v.Field("loop_sigma_deg", &loop_sigma_deg,
-          {.unit = "deg", .min = 1e-3, .max = 10.0, .doc = "slam: likewise of its rotation"});
   v.Field("loop_radius_m", &loop_radius_m,
           {.unit = "m", .min = 0.5, .max = 50.0, .doc = "slam: nodes this near are tried for a loop"});
   v.Field("loop_min_way_m", &loop_min_way_m,
           {.unit = "m", .min = 1.0, .max = 1000.0, .doc = "slam: but only after such a way"});
   v.Field("loop_overlap", &loop_overlap,
           {.min = 0.1, .max = 1.0, .doc = "slam: least overlap of a loop's clouds"});
-  v.Field("loop_tries", &loop_tries, {.min = 0, .max = 20, .doc = "slam: registrations a node; 0: no loops"});
+  v.Field("loop_gate_sigmas", &loop_gate_sigmas,
+          {.min = 1.0,
+           .max = 100.0,
+           .doc = "slam: a loop may move its node by so many of the graph's standard deviations"});
+  v.Field("loop_tries", &loop_tries,
+          {.min = 0,
+           .max = 20,
+           .doc = "slam: registrations a node, of those near it and of those that look alike; 0: no loops"});
+  v.Field(
+      "place_distance", &place_distance,
+      {.min = 0.0, .max = 1.0, .doc = "slam: between plans that may be one place; 0: no place recognition"});
+  v.Field("latency_s", &latency_s,
+          {.unit = "s",
+           .min = 0.0,
+           .max = 60.0,
+           .doc = "slam: simulated time from a node's end until its loops take effect"});
+  v.Field(
+      "full_latency_s", &full_latency_s,
+      {.unit = "s", .min = 0.0, .max = 600.0, .doc = "slam: likewise of the full robust pass after loops"});
 }
 
 namespace {
@@ -40,6 +64,16 @@ using core::Mat6;
 using core::Pose;
 
 constexpr double kEdgeM = 2.0;  ///< that the sigmas of odometry are of
+/// A node's cloud takes another revolution after the sensor has moved so far: sixteen rows alone say little
+/// of the height.
+constexpr double kLookAgainM = 0.25, kLookAgainDeg = 1.5;
+constexpr int kMostLooks = 24;
+
+bool HasMoved(const Pose& T, const Pose& to) {
+  const Pose between = T.inverse() * to;
+  return between.translation().norm() > kLookAgainM ||
+         Eigen::AngleAxisd(between.linear()).angle() > core::Radians(kLookAgainDeg);
+}
 
 Mat6 InformationOf(double sigma_m, double sigma_rad) {
   Mat6 information = Mat6::Zero();
@@ -48,71 +82,126 @@ Mat6 InformationOf(double sigma_m, double sigma_rad) {
   return information;
 }
 
+/// Where nodes lie, from some moment of simulated time on.
+struct Correction {
+  double effective_s = 0.0;
+  core::TaskLanes::Ticket ticket = 0;
+  std::shared_ptr<SolvedNodes> nodes;  ///< written by the ticket's task
+};
+
 class SlamLocaliser final : public Localiser {
  public:
   SlamLocaliser(const SlamParams& params, const LocaliserStart& start)
       : params_(params),
-        graph_(start.T_map_odom * start.T_odom_base),
-        search_(params),
+        back_end_(params, start.T_map_odom * start.T_odom_base),
+        T_map_node_({start.T_map_odom * start.T_odom_base}),
         T_odom_node_(start.T_odom_base),
-        T_odom_base_(start.T_odom_base) {}
+        T_odom_base_(start.T_odom_base),
+        lane_(1, start.threads > 1) {}
 
-  void OnState(const core::StateEvent& state) override { T_odom_base_ = state.T_odom_base; }
+  void OnState(const core::StateEvent& state) override {
+    now_s_ = state.time_s;
+    T_odom_base_ = state.T_odom_base;
+    while (!under_way_.empty() && under_way_.front().effective_s <= now_s_) TakeEffect();
+  }
 
   core::AnchoredSpin Place(std::shared_ptr<const core::SpinEvent> spin) override {
     if ((T_odom_base_.translation() - T_odom_node_.translation()).norm() >= params_.node_spacing_m)
       BeginNode();
-    if (!std::exchange(seen_, true)) CloseLoops(*spin);
+    if (params_.loop_tries > 0) Look(*spin);
     return {std::move(spin), latest(), T_odom_node_.inverse()};
   }
 
-  Pose T_map_odom() const override { return graph_.T_map_node().back() * T_odom_node_.inverse(); }
+  Pose T_map_odom() const override { return T_map_node_.back() * T_odom_node_.inverse(); }
 
   std::shared_ptr<const core::PoseSource> poses() const override {
-    if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(graph_.T_map_node(), graph_.version());
+    if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(T_map_node_, version_);
     return snapshot_;
   }
 
+  void Settle() override {
+    Finish();
+    while (!under_way_.empty()) TakeEffect();
+  }
+
  private:
-  core::KeyframeId latest() const { return static_cast<core::KeyframeId>(graph_.T_map_node().size() - 1); }
+  core::KeyframeId latest() const { return static_cast<core::KeyframeId>(T_map_node_.size() - 1); }
 
   void BeginNode() {
-    const Pose T_latest_node = T_odom_node_.inverse() * T_odom_base_;
-    const double share = std::sqrt(T_latest_node.translation().norm() / kEdgeM);
-    graph_.AddNode(T_latest_node, InformationOf(share * params_.odometry_sigma_m,
-                                                share * core::Radians(params_.odometry_sigma_deg)));
+    Finish();
+    const Pose T_previous_node = T_odom_node_.inverse() * T_odom_base_;
+    const double share = std::sqrt(T_previous_node.translation().norm() / kEdgeM);
+    node_ = {
+        T_previous_node,
+        InformationOf(share * params_.odometry_sigma_m, share * core::Radians(params_.odometry_sigma_deg)),
+        {}};
+    T_map_node_.push_back(T_map_node_.back() * T_previous_node);
+    T_previous_node_.push_back(T_previous_node);
     T_odom_node_ = T_odom_base_;
-    seen_ = false;
+    looked_from_.reset();
+    looks_ = 0;
     snapshot_.reset();
   }
 
-  /// With the first revolution of a node.
-  void CloseLoops(const core::SpinEvent& spin) {
-    UndistortHits(spin, T_odom_node_.inverse(), &rays_);
-    std::vector<core::Vec3f> cloud;
+  /// Gathers what the node sees: its first revolution, and others from where the sensor has moved since.
+  void Look(const core::SpinEvent& spin) {
+    const Pose T_odom_lidar = spin.T_odom_lidar.poses().front().T;
+    const bool first = !looked_from_;
+    if (!first && (looks_ == kMostLooks || !HasMoved(*looked_from_, T_odom_lidar))) return;
+    looked_from_ = T_odom_lidar;
+    ++looks_;
+    if (first) node_.cloud.T_node_lidar = T_odom_node_.inverse() * T_odom_lidar;
+    UndistortHits(spin, (T_odom_node_ * node_.cloud.T_node_lidar).inverse(), &rays_);
+    std::vector<core::Vec3f>& cloud = first ? node_.cloud.first_lidar : node_.cloud.later_lidar;
     for (const MapRay& hit : rays_.hits) cloud.push_back(hit.origin_map + hit.range_m * hit.direction_map);
-    SurfaceCloudParams surface;
-    if (!rays_.hits.empty()) surface.viewpoint = rays_.hits.front().origin_map;
-    search_.AddCloud(SurfaceCloud(cloud, surface));
-    if (params_.loop_tries == 0) return;
-    const std::vector<Loop> loops = search_.FromLatest(graph_.InlierGraph());
-    for (const Loop& loop : loops) {
-      graph_.AddLoop(loop.from, loop.to, loop.T_from_to,
-                     InformationOf(params_.loop_sigma_m, core::Radians(params_.loop_sigma_deg)));
-    }
-    if (loops.empty()) return;
-    graph_.Resolve();
+  }
+
+  /// Hands the latest node to the back end.
+  void Finish() {
+    if (!looked_from_) return;
+    Post(params_.latency_s, [this, node = std::make_shared<const FinishedNode>(std::exchange(node_, {}))] {
+      return back_end_.Take(*node);
+    });
+  }
+
+  /// The back end does one thing after the other.
+  void Post(double latency_s, std::function<SolvedNodes()> work) {
+    busy_until_s_ = std::max(now_s_, busy_until_s_) + latency_s;
+    Correction correction{busy_until_s_, 0, std::make_shared<SolvedNodes>()};
+    correction.ticket =
+        lane_.Post(0, [nodes = correction.nodes, work = std::move(work)] { *nodes = work(); });
+    under_way_.push_back(std::move(correction));
+  }
+
+  void TakeEffect() {
+    const Correction correction = std::move(under_way_.front());
+    under_way_.pop_front();
+    lane_.Wait(0, correction.ticket);
+    const SolvedNodes& solved = *correction.nodes;
+    if (solved.full_pass_due && under_way_.empty())
+      Post(params_.full_latency_s, [this] { return back_end_.FullPass(); });
+    if (std::exchange(version_, solved.version) == solved.version) return;
+    std::copy(solved.T_map_node.begin(), solved.T_map_node.end(), T_map_node_.begin());
+    for (size_t node = solved.T_map_node.size(); node < T_map_node_.size(); ++node)
+      T_map_node_[node] = T_map_node_[node - 1] * T_previous_node_[node];
     snapshot_.reset();
   }
 
   SlamParams params_;
-  PoseGraphSlam graph_;
-  LoopSearch search_;
+  SlamBackEnd back_end_;  ///< touched by tasks of the lane alone
+  std::vector<Pose> T_map_node_;
+  std::vector<Pose> T_previous_node_{Pose::Identity()};  ///< by odometry
+  uint64_t version_ = 0;
   Pose T_odom_node_;  ///< of the latest node
   Pose T_odom_base_;
-  bool seen_ = false;  ///< the latest node has its cloud
+  double now_s_ = 0.0, busy_until_s_ = 0.0;  ///< of the back end, as simulated
+  FinishedNode node_;                        ///< the latest one, in the making
+  std::optional<Pose> looked_from_;          ///< T_odom_lidar of the latest revolution in its cloud
+  int looks_ = 0;                            ///< revolutions in it
   UndistortedSpin rays_;
+  std::deque<Correction> under_way_;  ///< in the order in which they take effect
   mutable std::shared_ptr<const GraphPoses> snapshot_;
+  core::TaskLanes lane_;  ///< ends before what its tasks touch
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ TEST(RunLocaliser, OnlyTheLocaliserTruthIsHandedTheTruth) {
   for (const mapping::LocaliserEntry& entry : mapping::LocaliserCatalog()) {
     ExperimentConfig config;
     config.localisation.name = entry.name;
-    const mapping::LocaliserStart start = LocaliserStartFor(config, scene, simulator);
+    const mapping::LocaliserStart start = LocaliserStartFor(config, scene, simulator, 1);
     EXPECT_EQ(start.T_map_odom.matrix(), scene.T_map_spawn.matrix());
     EXPECT_EQ(start.T_odom_base.matrix(), simulator.T_odom_base_now.matrix());
     ASSERT_EQ(static_cast<bool>(start.T_map_base_true), entry.name == "truth") << entry.name;
