@@ -3,7 +3,12 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
+
+namespace atlas::sim {
+class Simulator;
+}
 
 namespace atlas::experiments {
 
@@ -18,6 +23,8 @@ struct RunOptions {
   std::function<bool()> should_stop = [] { return false; };
   /// One line on what is going on, after every stage; `final` lines end a scan.
   std::function<void(const std::string& line, bool final)> progress = [](const std::string&, bool) {};
+  /// What stands between the simulator and all who ask it; empty: nothing. For tests that lie to them.
+  std::function<std::unique_ptr<sim::Simulator>(std::unique_ptr<sim::Simulator>)> interpose = {};
 };
 
 }  // namespace atlas::experiments

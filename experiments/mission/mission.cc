@@ -32,6 +32,13 @@ planner::RobotModel RobotModelOf(const ExperimentConfig& config, const robots::R
           .turning_radius_m = robot.footprint_radius_m};
 }
 
+std::unique_ptr<sim::Simulator> SimulatorOf(const ExperimentConfig& config, const RunOptions& options,
+                                            const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
+                                            const core::Rng& rng) {
+  auto simulator = sim::MakeSimulator(scene, robot, SimParamsOf(config, options), rng);
+  return options.interpose ? options.interpose(std::move(simulator)) : std::move(simulator);
+}
+
 planner::Goal GoalOf(const scenes::SceneSpec& scene) {
   if (scene.is_space) return planner::WholeSpace{scene.object_box};
   return planner::ObjectInBox{scene.object_box};
@@ -47,7 +54,7 @@ Mission::Mission(const ExperimentConfig& given, const RunOptions& run_options)
       robot(robots::LoadRobot(config.robot.name)),
       film(config, options),
       metrics(config, options, scene, robot),
-      simulator(sim::MakeSimulator(scene, robot, SimParamsOf(config, options), rng.Split("sim"))),
+      simulator(SimulatorOf(config, options, scene, robot, rng.Split("sim"))),
       region(mapping::RegionOf(config.mapper, scene.object_box)),
       map(mapping::MakeMap(config.mapper, MapSetupOf(config, robot, region))),
       localiser(
