@@ -6,6 +6,7 @@
 #include "core/files.h"
 #include "core/labels.h"
 #include "core/lidar_model.h"
+#include "experiments/bench/false_loops_sweep.h"
 #include "experiments/cli/commands.h"
 #include "experiments/identity/experiment_config.h"
 #include "experiments/judge/metric.h"
@@ -42,6 +43,7 @@ std::vector<Entry> Metrics() {
 std::vector<Entry> Sweeps() {
   std::vector<Entry> entries;
   for (const std::string& name : SweepNames()) entries.push_back({name, LoadSweep(name).doc});
+  entries.push_back({kFalseLoopSweep, kFalseLoopSweepDoc});
   return entries;
 }
 

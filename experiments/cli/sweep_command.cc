@@ -3,9 +3,13 @@
 
 #include <iostream>
 
+#include "core/cpus.h"
+#include "core/files.h"
 #include "core/safe_text.h"
+#include "experiments/bench/false_loops_sweep.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/interrupt.h"
+#include "experiments/cli/progress_line.h"
 #include "experiments/identity/experiment_config.h"
 #include "experiments/identity/run_identity.h"
 #include "experiments/report/report.h"
@@ -14,7 +18,30 @@
 
 namespace atlas::experiments {
 
+namespace {
+
+int SweepFalseLoops(const SweepArguments& arguments) {
+  const std::filesystem::path folder =
+      arguments.out.empty() ? std::filesystem::path("runs") / kFalseLoopSweep : arguments.out;
+  core::RemoveStaleTemporaries(folder);
+  WriteFalseLoops(folder, {});  // before the work: a bad folder costs nothing
+  StopInOrderOnSignal();
+  ProgressLine line;
+  FalseLoopSweep sweep;
+  sweep.threads = arguments.jobs > 0 ? arguments.jobs : core::AvailableCpus();
+  const std::vector<FalseLoopOutcome> outcomes = RunFalseLoops(
+      sweep, [&](double share) { line.Show(fmt::format("graphs solved: {:3.0f} %", 100.0 * share), false); },
+      Interrupted);
+  WriteFalseLoops(folder, outcomes);
+  line.Show(fmt::format("{} graphs", outcomes.size()), true);
+  std::cout << FalseLoopTable(outcomes) << "\ntable: " << folder.string() << "\n";
+  return Interrupted() ? 130 : 0;
+}
+
+}  // namespace
+
 int SweepCommand(const SweepArguments& arguments) {
+  if (arguments.name == kFalseLoopSweep) return SweepFalseLoops(arguments);
   SweepOptions options;
   options.jobs = arguments.jobs;
   options.threads = arguments.threads;

@@ -3,8 +3,8 @@
 
 #include "mapping/slam/false_loops.h"
 #include "mapping/slam/g2o_file.h"
+#include "mapping/slam/room_graph.h"
 #include "tests/support/command_line.h"
-#include "tests/support/room_graphs.h"
 
 namespace atlas::tests {
 namespace {
@@ -13,7 +13,7 @@ class PoseGraphCommandLine : public CommandLine {
  protected:
   /// Writes the rooms as graph.g2o with ids 5, 6, ..., and where they truly are.
   void WriteRooms(double false_share) {
-    RoomGraph rooms = MakeRoomGraph(300, 5, core::Rng(8));
+    mapping::RoomGraph rooms = mapping::MakeRoomGraph(300, 5, core::Rng(8));
     mapping::G2oGraph file;
     file.graph = rooms.AtTruth();
     for (uint32_t node = 0; node < 300; ++node) file.id.push_back(5 + node);

@@ -5,7 +5,7 @@
 
 #include "mapping/slam/graph_covariance.h"
 #include "mapping/slam/graph_solver.h"
-#include "tests/support/room_graphs.h"
+#include "mapping/slam/room_graph.h"
 
 namespace atlas::tests {
 namespace {
@@ -20,7 +20,7 @@ using mapping::PoseGraph;
 
 /// A solved graph of two laps with loops.
 PoseGraph SolvedRooms(bool planar, uint64_t seed = 1) {
-  PoseGraph graph = MakeRoomGraph(260, 7, core::Rng(seed), planar).graph;
+  PoseGraph graph = mapping::MakeRoomGraph(260, 7, core::Rng(seed), planar).graph;
   mapping::Optimise(&graph);
   return graph;
 }
@@ -62,7 +62,7 @@ Eigen::MatrixXd DenseCovariance(const PoseGraph& graph) {
 
 TEST(GraphCovariance, EqualsDenseInversion) {
   for (const bool planar : {false, true}) {
-    PoseGraph graph = MakeRoomGraph(130, 3, core::Rng(2), planar).graph;
+    PoseGraph graph = mapping::MakeRoomGraph(130, 3, core::Rng(2), planar).graph;
     mapping::Optimise(&graph);
     const Eigen::MatrixXd dense = DenseCovariance(graph);
     const auto covariance = GraphCovariance::Of(graph);
@@ -138,7 +138,7 @@ struct NumericEdge {
 };
 
 TEST(GraphCovariance, EqualsThatOfCeres) {
-  PoseGraph graph = MakeRoomGraph(130, 3, core::Rng(5)).graph;
+  PoseGraph graph = mapping::MakeRoomGraph(130, 3, core::Rng(5)).graph;
   mapping::Optimise(&graph);
   std::vector<Vec6> tangent(graph.size(), Vec6::Zero());
   ceres::Problem problem;

@@ -4,8 +4,8 @@
 
 #include "mapping/slam/false_loops.h"
 #include "mapping/slam/pose_graph_slam.h"
+#include "mapping/slam/room_graph.h"
 #include "mapping/slam/trajectory_error.h"
-#include "tests/support/room_graphs.h"
 
 namespace atlas::tests {
 namespace {
@@ -23,13 +23,13 @@ constexpr std::array<FalseLoopKind, 4> kKinds = {FalseLoopKind::kRandom, FalseLo
 
 /// The rooms with false loops, chained from odometry, and the number of the first false edge.
 struct Deceived {
-  RoomGraph rooms;
+  mapping::RoomGraph rooms;
   PoseGraph graph;
   size_t first_false = 0;
 };
 
 Deceived Deceive(uint32_t nodes, FalseLoopKind kind, double share, bool planar = false) {
-  Deceived d{MakeRoomGraph(nodes, 5, core::Rng(3), planar), {}, 0};
+  Deceived d{mapping::MakeRoomGraph(nodes, 5, core::Rng(3), planar), {}, 0};
   d.graph = d.rooms.AtTruth();
   d.first_false = d.graph.edges.size();
   mapping::AddFalseLoops({.kind = kind, .share = share}, core::Rng(4), &d.graph);
@@ -37,7 +37,7 @@ Deceived Deceive(uint32_t nodes, FalseLoopKind kind, double share, bool planar =
   return d;
 }
 
-double CleanError(const RoomGraph& rooms) {
+double CleanError(const mapping::RoomGraph& rooms) {
   PoseGraph clean = rooms.graph;
   mapping::Optimise(&clean);
   return mapping::AbsoluteTrajectoryError(clean.T_map_node, rooms.T_true);
@@ -98,7 +98,7 @@ TEST(RobustGraph, FalseLoopsInThePlaneAreSurvived) {
 }
 
 TEST(RobustGraph, WithoutFalseLoopsItIsLeastSquares) {
-  const RoomGraph rooms = MakeRoomGraph(300, 5, core::Rng(9));
+  const mapping::RoomGraph rooms = mapping::MakeRoomGraph(300, 5, core::Rng(9));
   PoseGraph squared = rooms.graph, full = rooms.graph;
   mapping::Optimise(&squared);
   const RobustReport report = mapping::SolveGnc(&full);
@@ -108,14 +108,14 @@ TEST(RobustGraph, WithoutFalseLoopsItIsLeastSquares) {
 }
 
 TEST(RobustGraph, OdometryIsNeverRejected) {
-  RoomGraph rooms = MakeRoomGraph(200, 5, core::Rng(9));
+  mapping::RoomGraph rooms = mapping::MakeRoomGraph(200, 5, core::Rng(9));
   rooms.graph.edges[50].T_from_to.translation().x() += 3.0;
   for (const size_t edge : mapping::SolveGnc(&rooms.graph).rejected)
     EXPECT_EQ(rooms.graph.edges[edge].kind, EdgeKind::kLoop);
 }
 
 /// Hands the measurements of `rooms` over: odometry, then all loops but the last `held_back`.
-PoseGraphSlam Fed(const RoomGraph& rooms, size_t held_back, std::vector<PoseEdge>* later) {
+PoseGraphSlam Fed(const mapping::RoomGraph& rooms, size_t held_back, std::vector<PoseEdge>* later) {
   PoseGraphSlam slam(rooms.T_true.front());
   for (const PoseEdge& edge : rooms.graph.edges) {
     if (edge.kind == EdgeKind::kOdometry) slam.AddNode(edge.T_from_to, edge.information);
@@ -129,7 +129,7 @@ PoseGraphSlam Fed(const RoomGraph& rooms, size_t held_back, std::vector<PoseEdge
 }
 
 TEST(PoseGraphSlam, ChainsNodesAndSolvesWhenLoopsCome) {
-  const RoomGraph rooms = MakeRoomGraph(300, 5, core::Rng(12));
+  const mapping::RoomGraph rooms = mapping::MakeRoomGraph(300, 5, core::Rng(12));
   std::vector<PoseEdge> later;
   PoseGraphSlam slam = Fed(rooms, 0, &later);
   for (uint32_t k = 0; k < slam.graph().size(); ++k)
@@ -142,7 +142,7 @@ TEST(PoseGraphSlam, ChainsNodesAndSolvesWhenLoopsCome) {
 }
 
 TEST(PoseGraphSlam, AFullPassIsTakenOverWhileTheRobotWentOn) {
-  const RoomGraph rooms = MakeRoomGraph(300, 5, core::Rng(12));
+  const mapping::RoomGraph rooms = mapping::MakeRoomGraph(300, 5, core::Rng(12));
   std::vector<PoseEdge> later;
   PoseGraphSlam slam = Fed(rooms, 2, &later);
   core::Mat6 information = core::Mat6::Identity() * 1e3;
@@ -167,7 +167,7 @@ TEST(PoseGraphSlam, AFullPassIsTakenOverWhileTheRobotWentOn) {
 }
 
 TEST(TrajectoryError, IsWhatIsLeftAfterTheBestRigidMotion) {
-  const RoomGraph rooms = MakeRoomGraph(200, 5, core::Rng(12));
+  const mapping::RoomGraph rooms = mapping::MakeRoomGraph(200, 5, core::Rng(12));
   const Pose T = core::Exp((core::Vec6() << 5, -7, 2, 0.3, 0.8, -1.1).finished());
   std::vector<Pose> moved = rooms.T_true;
   for (Pose& pose : moved) pose = T * pose;

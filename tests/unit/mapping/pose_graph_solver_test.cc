@@ -5,7 +5,7 @@
 #include "mapping/slam/chordal_start.h"
 #include "mapping/slam/edge_terms.h"
 #include "mapping/slam/graph_solver.h"
-#include "tests/support/room_graphs.h"
+#include "mapping/slam/room_graph.h"
 
 namespace atlas::tests {
 namespace {
@@ -37,7 +37,7 @@ Mat6 RandomInformation(bool planar, core::Rng* rng) {
 }
 
 /// A ring with chords, its measurements off by what `noise` says, its poses by ten times that.
-PoseGraph NoisyRing(uint32_t nodes, const EdgeNoise& noise, bool planar, uint64_t seed) {
+PoseGraph NoisyRing(uint32_t nodes, const mapping::EdgeNoise& noise, bool planar, uint64_t seed) {
   core::Rng rng(seed);
   PoseGraph graph{.planar = planar};
   for (uint32_t k = 0; k < nodes; ++k)
@@ -47,13 +47,13 @@ PoseGraph NoisyRing(uint32_t nodes, const EdgeNoise& noise, bool planar, uint64_
     for (const uint32_t ahead : {1u, 4u}) {
       PoseEdge edge{.from = k, .to = (k + ahead) % nodes};
       edge.T_from_to = graph.T_map_node[edge.from].inverse() * graph.T_map_node[edge.to] *
-                       core::Exp(Draw(noise, planar, &rng));
+                       core::Exp(mapping::DrawError(noise, planar, &rng));
       edge.information = RandomInformation(planar, &rng);
       graph.edges.push_back(edge);
     }
   }
   for (uint32_t k = 1; k < nodes; ++k)
-    graph.T_map_node[k] = graph.T_map_node[k] * core::Exp(10.0 * Draw(noise, planar, &rng));
+    graph.T_map_node[k] = graph.T_map_node[k] * core::Exp(10.0 * mapping::DrawError(noise, planar, &rng));
   return graph;
 }
 
@@ -105,11 +105,12 @@ void ExpectDerivatives(const Terms& terms, const Pose& T_from, const Pose& T_to)
 
 TEST(PoseGraphTerms, DerivativesAreThoseOfDifferences) {
   core::Rng rng(5);
-  const EdgeNoise wide{1.0, 0.4};
+  const mapping::EdgeNoise wide{1.0, 0.4};
   for (int round = 0; round < 5; ++round) {
-    const Pose T_from = core::Exp(Draw(wide, false, &rng)), T_to = core::Exp(Draw(wide, false, &rng));
+    const Pose T_from = core::Exp(mapping::DrawError(wide, false, &rng)),
+               T_to = core::Exp(mapping::DrawError(wide, false, &rng));
     PoseEdge edge;
-    edge.T_from_to = core::Exp(Draw(wide, false, &rng));
+    edge.T_from_to = core::Exp(mapping::DrawError(wide, false, &rng));
     edge.information = RandomInformation(false, &rng);
     ExpectDerivatives<6>([&](auto& a, auto& b) { return mapping::LogMapTerms(edge, a, b); }, T_from, T_to);
     ExpectDerivatives<6>([&](auto& a, auto& b) { return mapping::G2oTerms(edge, a, b, false); }, T_from,

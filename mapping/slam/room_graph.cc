@@ -1,51 +1,14 @@
-// Pose graphs of a robot that walks rooms in laps, with measured edges and the true poses beside them.
-#pragma once
+#include "mapping/slam/room_graph.h"
 
 #include <cmath>
-#include <vector>
 
-#include "core/rng.h"
-#include "mapping/slam/pose_graph.h"
-
-namespace atlas::tests {
-
-struct RoomGraph {
-  mapping::PoseGraph graph;  ///< poses chained from measured odometry
-  std::vector<core::Pose> T_true;
-  /// The graph at its true poses.
-  mapping::PoseGraph AtTruth() const {
-    mapping::PoseGraph truth = graph;
-    truth.T_map_node = T_true;
-    return truth;
-  }
-};
-
-/// Per 2 m step (RMS 1 m at 100 m) and per loop.
-struct EdgeNoise {
-  double sigma_m = 0.02, sigma_rad = core::Radians(0.1);
-};
-
-inline core::Vec6 Draw(const EdgeNoise& noise, bool planar, core::Rng* rng) {
-  core::Vec6 xi;
-  for (int k = 0; k < 6; ++k) xi[k] = (k < 3 ? noise.sigma_m : noise.sigma_rad) * rng->Normal();
-  if (planar) xi[2] = xi[3] = xi[4] = 0.0;
-  return xi;
-}
-
-inline mapping::PoseEdge Measured(const RoomGraph& rooms, uint32_t from, uint32_t to, const EdgeNoise& noise,
-                                  core::Rng* rng) {
-  mapping::PoseEdge edge{.from = from, .to = to};
-  edge.T_from_to =
-      rooms.T_true[from].inverse() * rooms.T_true[to] * core::Exp(Draw(noise, rooms.graph.planar, rng));
-  const double w_t = 1.0 / (noise.sigma_m * noise.sigma_m), w_r = 1.0 / (noise.sigma_rad * noise.sigma_rad);
-  edge.information.diagonal() << w_t, w_t, w_t, w_r, w_r, w_r;
-  return edge;
-}
+namespace atlas::mapping {
+namespace {
 
 /// The way: laps round a corridor of 60 x 40 m; at every second step of 20 m into a room of 6 m depth and
 /// back, so that laps see the same rooms. Even laps go the other way round. In space, the floor swings by 1
 /// m.
-inline std::vector<core::Pose> WayThroughRooms(uint32_t nodes, bool planar) {
+std::vector<core::Pose> WayThroughRooms(uint32_t nodes, bool planar) {
   std::vector<core::Vec3> corners;
   const auto side = [&](core::Vec3 from, const core::Vec3& to) {
     const core::Vec3 along = (to - from).normalized(), into(along.y(), -along.x(), 0.0);
@@ -82,26 +45,44 @@ inline std::vector<core::Pose> WayThroughRooms(uint32_t nodes, bool planar) {
   return way;
 }
 
-/// Loops join nodes of different laps that are within 1.5 m, every `loop_every`th node to the first such.
-inline RoomGraph MakeRoomGraph(uint32_t nodes, uint32_t loop_every, core::Rng rng, bool planar = false) {
+}  // namespace
+
+core::Vec6 DrawError(const EdgeNoise& noise, bool planar, core::Rng* rng) {
+  core::Vec6 xi;
+  for (int k = 0; k < 6; ++k) xi[k] = (k < 3 ? noise.sigma_m : noise.sigma_rad) * rng->Normal();
+  if (planar) xi[2] = xi[3] = xi[4] = 0.0;
+  return xi;
+}
+
+PoseEdge MeasuredEdge(const RoomGraph& rooms, uint32_t from, uint32_t to, const EdgeNoise& noise,
+                      core::Rng* rng) {
+  PoseEdge edge{.from = from, .to = to};
+  edge.T_from_to =
+      rooms.T_true[from].inverse() * rooms.T_true[to] * core::Exp(DrawError(noise, rooms.graph.planar, rng));
+  const double w_t = 1.0 / (noise.sigma_m * noise.sigma_m), w_r = 1.0 / (noise.sigma_rad * noise.sigma_rad);
+  edge.information.diagonal() << w_t, w_t, w_t, w_r, w_r, w_r;
+  return edge;
+}
+
+RoomGraph MakeRoomGraph(uint32_t nodes, uint32_t loop_every, core::Rng rng, bool planar) {
   RoomGraph rooms;
   rooms.graph.planar = planar;
   rooms.T_true = WayThroughRooms(nodes, planar);
   rooms.graph.T_map_node = {rooms.T_true.front()};
   core::Rng odometry = rng.Split("odometry"), loops = rng.Split("loops");
   for (uint32_t node = 1; node < nodes; ++node) {
-    rooms.graph.edges.push_back(Measured(rooms, node - 1, node, {}, &odometry));
+    rooms.graph.edges.push_back(MeasuredEdge(rooms, node - 1, node, {}, &odometry));
     rooms.graph.T_map_node.push_back(rooms.graph.T_map_node.back() * rooms.graph.edges.back().T_from_to);
   }
   for (uint32_t to = 100; to < nodes; to += loop_every) {
     for (uint32_t from = 0; from + 100 < to; ++from) {
       if ((rooms.T_true[from].translation() - rooms.T_true[to].translation()).norm() > 1.5) continue;
-      rooms.graph.edges.push_back(Measured(rooms, from, to, {0.03, core::Radians(0.3)}, &loops));
-      rooms.graph.edges.back().kind = mapping::EdgeKind::kLoop;
+      rooms.graph.edges.push_back(MeasuredEdge(rooms, from, to, {0.03, core::Radians(0.3)}, &loops));
+      rooms.graph.edges.back().kind = EdgeKind::kLoop;
       break;
     }
   }
   return rooms;
 }
 
-}  // namespace atlas::tests
+}  // namespace atlas::mapping
