@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "core/errors.h"
 #include "core/files.h"
+#include "experiments/bench/correction_bench.h"
 #include "experiments/bench/mapper_bench.h"
 #include "experiments/bench/motion_bench.h"
 #include "experiments/cli/commands.h"
@@ -77,20 +79,40 @@ int BenchMotion(const BenchArguments& arguments, const std::filesystem::path& fo
   return 0;
 }
 
+int BenchCorrection(const BenchArguments& arguments, const std::filesystem::path& folder) {
+  CorrectionBench bench;
+  bench.threads = arguments.threads;
+  ProgressLine line;
+  const CorrectionResult result = RunCorrectionBench(
+      bench, [&](double share) { line.Show(fmt::format("preparing: {:3.0f} %", 100.0 * share), false); });
+  WriteCorrectionBench(folder, result);
+  line.Show("measured", true);
+  std::cout << CorrectionTable(result) << "\ntables: " << folder.string() << "\n";
+  return 0;
+}
+
+using Bench = int (*)(const BenchArguments&, const std::filesystem::path&);
+const std::vector<std::pair<std::string, Bench>> kBenches = {
+    {"mapper", BenchMapper}, {"motion", BenchMotion}, {"correction", BenchCorrection}};
+
 }  // namespace
 
 int BenchCommand(const BenchArguments& arguments) {
   const std::string& what = arguments.what;
   if (what == "lidar") return BenchLidar(arguments.scene);
-  if (what != "mapper" && what != "motion") {
-    throw core::InputError(core::UnknownName("bench", what, {"lidar", "mapper", "motion"}));
+  const auto bench =
+      std::find_if(kBenches.begin(), kBenches.end(), [&](const auto& entry) { return entry.first == what; });
+  if (bench == kBenches.end()) {
+    std::vector<std::string> names = {"lidar"};
+    for (const auto& entry : kBenches) names.push_back(entry.first);
+    throw core::InputError(core::UnknownName("bench", what, names));
   }
   const std::filesystem::path folder =
       arguments.out.empty() ? std::filesystem::path("runs") / ("bench_" + what) : arguments.out;
   core::RemoveStaleTemporaries(folder);
   core::WriteFileAtomically(folder / "bench.txt",
                             what + "\n");  // before the work: a bad folder costs nothing
-  return what == "mapper" ? BenchMapper(arguments, folder) : BenchMotion(arguments, folder);
+  return bench->second(arguments, folder);
 }
 
 }  // namespace atlas::experiments

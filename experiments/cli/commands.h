@@ -91,7 +91,7 @@ int ExplainCommand(const ExplainArguments& arguments);
 std::string ExplainText(const std::vector<core::ParamRow>& rows, const std::vector<std::string>& prefixes);
 
 struct BenchArguments {
-  std::string what;   ///< lidar | mapper | motion
+  std::string what;   ///< lidar | mapper | motion | correction
   std::string scene;  ///< only this one
   std::optional<double> range_m,
       resolution_m;  ///< mapper: with a scene, one setting instead of the standard ones

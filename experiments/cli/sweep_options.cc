@@ -37,7 +37,7 @@ void AddBench(CLI::App* app, Action* action) {
       "bench",
       "Measure a part: lidar (rays a second beside bare Embree), mapper (SE-Atlas beside OctoMap), "
       "motion (maps with per-ray poses off and on)");
-  bench->add_option("what", a->what, "lidar, mapper or motion")->required();
+  bench->add_option("what", a->what, "lidar, mapper, motion or correction")->required();
   bench->add_option("--scene", a->scene, "only this scene");
   bench->add_option("--range", a->range_m, "mapper: metres (with --scene)")->check(Between(1.0, 200.0));
   bench->add_option("--resolution", a->resolution_m, "mapper: metres (with --scene)")
