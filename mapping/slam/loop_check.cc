@@ -88,26 +88,28 @@ bool Same(const Pose& T, const Pose& other, const LoopCheckParams& params) {
 
 RangeView::RangeView(std::span<const Vec3f> p_here) {
   constexpr size_t kCells = static_cast<size_t>(kColumns) * kRows;
-  std::vector<float> nearest(kCells, 0.0f), farthest(kCells, 0.0f);
+  constexpr float kMost = 65535.0f;
+  std::vector<uint16_t> nearest(kCells, 0), farthest(kCells, 0);
   for (const Vec3f& p : p_here) {
     const float range = p.norm();
     if (!(range > 0.0f) || !std::isfinite(range)) continue;
     const size_t cell = CellOf(p, range);
-    if (nearest[cell] == 0.0f || range < nearest[cell]) nearest[cell] = range;
-    farthest[cell] = std::max(farthest[cell], range);
+    const auto units = static_cast<uint16_t>(std::clamp(std::round(range / kUnit_m), 1.0f, kMost));
+    if (nearest[cell] == 0 || units < nearest[cell]) nearest[cell] = units;
+    farthest[cell] = std::max(farthest[cell], units);
   }
-  nearest_m_.assign(kCells, 0.0f);
-  farthest_m_.assign(kCells, 0.0f);
+  nearest_ = nearest;
+  farthest_ = farthest;
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       const size_t cell = static_cast<size_t>(row * kColumns + column);
-      if (nearest[cell] == 0.0f) continue;  // past the field of view's edge nothing passed
+      if (nearest[cell] == 0) continue;  // past the field of view's edge nothing passed
       for (int r = std::max(0, row - 1); r <= std::min(kRows - 1, row + 1); ++r) {
         for (const int dc : {-1, 0, 1}) {
           const size_t at = static_cast<size_t>(r * kColumns + (column + dc + kColumns) % kColumns);
-          if (nearest[at] == 0.0f) continue;
-          if (nearest_m_[cell] == 0.0f || nearest[at] < nearest_m_[cell]) nearest_m_[cell] = nearest[at];
-          farthest_m_[cell] = std::max(farthest_m_[cell], farthest[at]);
+          if (nearest[at] == 0) continue;
+          nearest_[cell] = std::min(nearest_[cell], nearest[at]);
+          farthest_[cell] = std::max(farthest_[cell], farthest[at]);
         }
       }
     }
@@ -127,9 +129,10 @@ RangeView::Sight RangeView::Of(const Vec3f& p_here, float margin_m) const {
   const float range = p_here.norm();
   if (!(range > 0.0f)) return Sight::kUnknown;
   const size_t cell = CellOf(p_here, range);
-  if (nearest_m_[cell] == 0.0f) return Sight::kUnknown;
-  if (range < nearest_m_[cell] - margin_m) return Sight::kInFront;
-  return range > farthest_m_[cell] + margin_m ? Sight::kHidden : Sight::kAtSurface;
+  if (nearest_[cell] == 0) return Sight::kUnknown;
+  if (range < kUnit_m * static_cast<float>(nearest_[cell]) - margin_m) return Sight::kInFront;
+  return range > kUnit_m * static_cast<float>(farthest_[cell]) + margin_m ? Sight::kHidden
+                                                                          : Sight::kAtSurface;
 }
 
 LoopScan PrepareLoopScan(std::span<const Vec3f> p_here, const SurfaceCloudParams& params) {

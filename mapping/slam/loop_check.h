@@ -2,6 +2,7 @@
 // the evidence against it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -27,8 +28,9 @@ class RangeView {
 
  private:
   static constexpr int kColumns = 360, kRows = 90;  ///< a degree by two
+  static constexpr float kUnit_m = 0.005f;          ///< of what is kept: a graph has a view a node
   static size_t CellOf(const core::Vec3f& p, float range_m);
-  std::vector<float> nearest_m_, farthest_m_;  ///< of a cell and those around it; 0: nothing seen
+  std::vector<uint16_t> nearest_, farthest_;  ///< of a cell and those around it, in units; 0: nothing seen
 };
 
 /// A keyframe prepared for being compared. May be moved.

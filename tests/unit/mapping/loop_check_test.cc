@@ -150,5 +150,24 @@ TEST(RangeView, TellsInFrontFromBehind) {
   EXPECT_EQ(view.Of(Vec3f(0.05f, 0.0f, -1.0f), 0.2f), RangeView::Sight::kUnknown);  // below the beams
 }
 
+TEST(RangeView, PastTheEdgeOfTheFieldOfViewNothingPassed) {
+  // Floor seen from 0.6 m by rows down to 17 degrees; the same floor nearer by lies below them.
+  std::vector<Vec3f> floor;
+  for (double azimuth = -180.0; azimuth < 180.0; azimuth += 0.5) {
+    for (double below = 3.0; below <= 17.0; below += 0.5) {
+      const double range = 0.6 / std::sin(core::Radians(below)), a = core::Radians(azimuth);
+      const double flat = range * std::cos(core::Radians(below));
+      floor.push_back(core::Vec3(flat * std::cos(a), flat * std::sin(a), -0.6).cast<float>());
+    }
+  }
+  const RangeView view(floor);
+  const auto at = [&](double below) {
+    return view.Of(Vec3f(static_cast<float>(0.6 / std::tan(core::Radians(below))), 0.0f, -0.6f), 0.1f);
+  };
+  EXPECT_EQ(at(12.0), RangeView::Sight::kAtSurface);
+  EXPECT_EQ(at(19.5), RangeView::Sight::kUnknown);
+  EXPECT_EQ(at(22.0), RangeView::Sight::kUnknown);
+}
+
 }  // namespace
 }  // namespace atlas::tests
