@@ -22,6 +22,11 @@ class AtlasMap final : public Map {
   std::shared_ptr<const MapView> Snapshot() const override { return atlas_.Snapshot(); }
   size_t Bytes() const override { return atlas_.Bytes(); }
   size_t SubmapCount() const override { return atlas_.submaps().size(); }
+  std::vector<SubmapMembers> Submaps() const override {
+    std::vector<SubmapMembers> members;
+    for (const auto& submap : atlas_.submaps()) members.push_back({submap->id, submap->keyframes});
+    return members;
+  }
 
   std::string Save(const std::filesystem::path& directory) const override {
     const std::filesystem::path folder = directory / "atlas";

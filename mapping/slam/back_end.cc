@@ -12,9 +12,11 @@ SolvedNodes SlamBackEnd::Take(const FinishedNode& node) {
   if (params_.loop_tries == 0) return Solved();
   search_.Add(node.cloud, graph_.T_map_node().back());
   const std::vector<Loop> loops = search_.FromLatest(graph_.InlierGraph());
-  for (const Loop& loop : loops) graph_.AddLoop(loop.from, loop.to, loop.T_from_to, loop.information);
+  for (const Loop& loop : loops) {
+    graph_.AddLoop(loop.from, loop.to, loop.T_from_to, loop.information);
+    loops_.emplace_back(loop.from, loop.to);
+  }
   if (!loops.empty()) graph_.Resolve();
-  loops_ += loops.size();
   loops_since_full_pass_ += loops.size();
   return Solved();
 }
@@ -27,8 +29,8 @@ SolvedNodes SlamBackEnd::FullPass() {
 
 SolvedNodes SlamBackEnd::Solved() const {
   constexpr size_t kShare = 10;
-  const bool due = loops_since_full_pass_ > 0 && kShare * loops_since_full_pass_ >= loops_;
-  return {graph_.T_map_node(), graph_.version(), due};
+  const bool due = loops_since_full_pass_ > 0 && kShare * loops_since_full_pass_ >= loops_.size();
+  return {graph_.T_map_node(), graph_.version(), due, loops_};
 }
 
 }  // namespace atlas::mapping

@@ -4,6 +4,8 @@
 // It is the same whatever thread runs it, as long as calls come one after another in the same order.
 #pragma once
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "mapping/slam/loop_search.h"
@@ -23,6 +25,7 @@ struct SolvedNodes {
   std::vector<core::Pose> T_map_node;
   uint64_t version = 0;
   bool full_pass_due = false;  ///< a tenth of all loops have come since the last one
+  std::vector<std::pair<uint32_t, uint32_t>> loops = {};  ///< nodes that loops have joined
 };
 
 class SlamBackEnd {
@@ -43,7 +46,8 @@ class SlamBackEnd {
   PoseGraphSlam graph_;
   LoopSearch search_;
   bool first_ = true;
-  size_t loops_since_full_pass_ = 0, loops_ = 0;
+  size_t loops_since_full_pass_ = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> loops_;
 };
 
 }  // namespace atlas::mapping

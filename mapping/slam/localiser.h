@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/keyframe.h"
@@ -37,6 +38,8 @@ class Localiser {
   virtual std::shared_ptr<const core::PoseSource> poses() const = 0;
   /// At the end: waits for what is still being worked out, and takes it over.
   virtual void Settle() {}
+  /// Pairs of keyframes that loops have joined so far.
+  virtual std::vector<std::pair<core::KeyframeId, core::KeyframeId>> loops() const { return {}; }
 };
 
 /// What a localiser starts from.

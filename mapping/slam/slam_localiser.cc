@@ -119,6 +119,8 @@ class SlamLocaliser final : public Localiser {
     return snapshot_;
   }
 
+  std::vector<std::pair<core::KeyframeId, core::KeyframeId>> loops() const override { return loops_; }
+
   void Settle() override {
     Finish();
     while (!under_way_.empty()) TakeEffect();
@@ -180,6 +182,7 @@ class SlamLocaliser final : public Localiser {
     const SolvedNodes& solved = *correction.nodes;
     if (solved.full_pass_due && under_way_.empty())
       Post(params_.full_latency_s, [this] { return back_end_.FullPass(); });
+    loops_ = solved.loops;
     if (std::exchange(version_, solved.version) == solved.version) return;
     std::copy(solved.T_map_node.begin(), solved.T_map_node.end(), T_map_node_.begin());
     for (size_t node = solved.T_map_node.size(); node < T_map_node_.size(); ++node)
@@ -198,6 +201,7 @@ class SlamLocaliser final : public Localiser {
   FinishedNode node_;                        ///< the latest one, in the making
   std::optional<Pose> looked_from_;          ///< T_odom_lidar of the latest revolution in its cloud
   int looks_ = 0;                            ///< revolutions in it
+  std::vector<std::pair<core::KeyframeId, core::KeyframeId>> loops_;
   UndistortedSpin rays_;
   std::deque<Correction> under_way_;  ///< in the order in which they take effect
   mutable std::shared_ptr<const GraphPoses> snapshot_;
