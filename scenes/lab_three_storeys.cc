@@ -114,8 +114,8 @@ void AddRamps(SceneBuilder& scene, int floor) {
   const double z = kRise_m * floor, half = 0.5 * kRise_m, w = kHall_m + 0.5 * kPartition_m,
                e = kEast_m - 0.5 * kPartition_m;
   AddFlight(scene, {{w, kRampFoot_m}, {kFlight_m - kGap_m, kRampTop_m}}, z, z + half);
-  AddFlight(scene, {{kFlight_m + kGap_m, kRampFoot_m}, {e, kRampTop_m}}, z + 2.0 * half, z + half);
   scene.SetFloor(z + half);
+  AddFlight(scene, {{kFlight_m + kGap_m, kRampFoot_m}, {e, kRampTop_m}}, z + 2.0 * half, z + half);
   scene.Box(kRamps, Vec3(w, kRampTop_m, z + half - 0.2), Vec3(e, kLanding_m, z + half));
   // What closes the landing, and the way's end on the uppermost floor.
   scene.Box(kRails, Vec3(w, kLanding_m, z + half - 0.2), Vec3(e, kLanding_m + 0.1, z + half + 1.0));
