@@ -32,20 +32,29 @@ Rgb ColourOf(uint32_t submap, double value) {
   return {channel(5.0), channel(3.0), channel(1.0)};
 }
 
-/// Heights of the floors that nodes were on, lowest first: the middle of each group.
+/// Heights of the floors that nodes were on, lowest first: those about which most nodes lie, each at least
+/// kFloorGap_m from the one before. Those of a ramp lie at all heights and make no floor.
 std::vector<double> FloorsOf(const std::vector<Vec3>& nodes) {
-  std::vector<double> heights;
-  for (const Vec3& p : nodes) heights.push_back(p.z());
-  std::sort(heights.begin(), heights.end());
+  constexpr double kLevel_m = 0.4;
   std::vector<double> floors;
-  size_t begin = 0;
-  for (size_t i = 1; i <= heights.size(); ++i) {
-    // A way up a ramp has nodes at all heights: a floor is what many share.
-    if (i < heights.size() && heights[i] - heights[begin] < kFloorGap_m) continue;
-    if (kLeastShare * (i - begin) >= heights.size()) floors.push_back(heights[(begin + i - 1) / 2]);
-    begin = i;
+  while (true) {
+    double best_z = 0.0;
+    size_t most = 0;
+    for (const Vec3& p : nodes) {
+      const bool near_one = std::any_of(floors.begin(), floors.end(),
+                                        [&](double z) { return std::abs(z - p.z()) < kFloorGap_m; });
+      if (near_one) continue;
+      const auto count = static_cast<size_t>(std::count_if(
+          nodes.begin(), nodes.end(), [&](const Vec3& q) { return std::abs(q.z() - p.z()) < kLevel_m; }));
+      if (count > most) {
+        most = count;
+        best_z = p.z();
+      }
+    }
+    if (most == 0 || (!floors.empty() && kLeastShare * most < nodes.size())) break;
+    floors.push_back(best_z);
   }
-  if (floors.empty() && !heights.empty()) floors.push_back(heights[heights.size() / 2]);
+  std::sort(floors.begin(), floors.end());
   return floors;
 }
 

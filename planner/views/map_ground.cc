@@ -33,23 +33,31 @@ MapGround::Cell MapGround::CellOf(const Vec3& p) const {
           static_cast<int64_t>(std::floor(p.z() / body_.climb_m))};
 }
 
+bool MapGround::IsClear(const Vec2& p_map, double ground_m) const {
+  for (double h = body_.from_m; h <= body_.to_m; h += cell_m_) {
+    if (map_.StateAt({p_map.x(), p_map.y(), ground_m + h}) != CellState::kFree) return false;
+  }
+  return true;
+}
+
 std::optional<double> MapGround::ColumnAt(const Vec3& p_map) const {
   const Cell cell = CellOf(p_map);
   const auto [known, fresh] = columns_.try_emplace(cell, std::nullopt);
   if (!fresh) return known->second;
-  const double x = (static_cast<double>(cell.x) + 0.5) * cell_m_,
-               y = (static_cast<double>(cell.y) + 0.5) * cell_m_;
-  const double from = (static_cast<double>(cell.z) + 1.0) * body_.climb_m + kProbeUpM;
-  for (double z = from; z > from - kProbeUpM - kProbeDownM; z -= cell_m_) {
-    if (map_.StateAt({x, y, z}) != CellState::kOccupied) continue;
-    const double ground = z + 0.5 * cell_m_;
-    for (double h = body_.from_m; h <= body_.to_m; h += cell_m_) {
-      if (map_.StateAt({x, y, ground + h}) != CellState::kFree) return std::nullopt;
-    }
-    known->second = ground;
-    return ground;
+  const Vec2 at = cell_m_ * Vec2(static_cast<double>(cell.x) + 0.5, static_cast<double>(cell.y) + 0.5);
+  const double about = (static_cast<double>(cell.z) + 0.5) * body_.climb_m;
+  // Through the middles of voxels, so that ground is as high whatever it is looked for from.
+  const double from = (std::floor((about + kProbeUpM) / cell_m_) + 0.5) * cell_m_;
+  bool open_below = false;
+  std::optional<double> ground;
+  for (double z = from; z > from - kProbeUpM - kProbeDownM && !ground; z -= cell_m_) {
+    const CellState state = map_.StateAt({at.x(), at.y(), z});
+    if (state == CellState::kOccupied) ground = z + 0.5 * cell_m_;  // its top
+    open_below = open_below || (state == CellState::kFree && z < about - body_.climb_m);
   }
-  return std::nullopt;
+  if (!ground && !open_below) ground = about;
+  if (ground && IsClear(at, *ground)) known->second = ground;
+  return known->second;
 }
 
 bool MapGround::CanStand(const Vec3& p_map) const {

@@ -13,9 +13,9 @@
 namespace atlas::planner {
 
 struct BodyOnMap {
-  double radius_m = 0.4;             ///< of an upright cylinder that must be free
-  double from_m = 0.25, to_m = 0.8;  ///< above the ground
-  double climb_m = 0.25;             ///< the ground may rise or fall by this from place to place
+  double radius_m = 0.4;            ///< of an upright cylinder that must be free
+  double from_m = 0.3, to_m = 0.8;  ///< above the ground
+  double climb_m = 0.25;            ///< the ground may rise or fall by this from place to place
 };
 
 class MapGround {
@@ -23,7 +23,9 @@ class MapGround {
   /// Holds on to `map`.
   MapGround(const mapping::MapView& map, const BodyOnMap& body);
 
-  /// The ground next below `p_map`, at most 1.5 m down, where the body's column above it is free.
+  /// The ground next below `p_map`, at most 1.5 m down, where the body's column above it is free. Where no
+  /// ground was seen (a LiDAR is blind near its foot), it is taken to go on at that height, unless what lies
+  /// below is known to be free: a drop.
   std::optional<double> ColumnAt(const core::Vec3& p_map) const;
   /// Whether the cylinder about (x, y) is free, on ground like that at `p_map`.
   bool CanStand(const core::Vec3& p_map) const;
@@ -31,6 +33,7 @@ class MapGround {
   std::optional<core::Vec3> Step(const core::Vec3& from_map, const core::Vec2& to_map) const;
 
  private:
+  bool IsClear(const core::Vec2& p_map, double ground_m) const;
   struct Cell {
     int64_t x, y, z;
     bool operator==(const Cell&) const = default;

@@ -16,8 +16,11 @@ class Hall final : public mapping::MapView {
   explicit Hall(double door_m) : door_m_(door_m) {}
   double resolution_m() const override { return 0.1; }
   CellState StateAt(const Vec3& p) const override {
-    if (p.x() < 0 || p.y() < 0 || p.x() > 12 || p.y() > 8 || p.z() < -0.2 || p.z() > 3)
+    if (p.x() < 0 || p.y() < 0 || p.x() > 12 || p.y() > 8 || p.z() < -1.5 || p.z() > 3)
       return CellState::kUnknown;
+    const bool patch = p.y() > 5 && p.y() < 6;
+    if (p.z() < 0.0 && patch && p.x() > 1 && p.x() < 2) return CellState::kUnknown;  // unseen
+    if (p.z() < 0.0 && patch && p.x() > 10 && p.x() < 11) return CellState::kFree;   // a pit
     if (p.z() < 0.0) return CellState::kOccupied;
     const bool wall = std::abs(p.x() - 6.0) < 0.15 && std::abs(p.y() - 6.0) > 0.5 * door_m_;
     return wall ? CellState::kOccupied : CellState::kFree;
@@ -42,6 +45,14 @@ TEST(MapGround, StandsWhereTheBodyIsClear) {
   EXPECT_FALSE(ground.CanStand({0.3, 4, 0.1}));  // nothing is known beyond the hall
   EXPECT_TRUE(ground.CanStand({6, 6, 0.1}));     // in the doorway
   EXPECT_NEAR(ground.ColumnAt({3, 4, 0.1}).value(), 0.0, 0.11);
+}
+
+TEST(MapGround, GroundGoesOnWhereNoneWasSeenButNotOverAPit) {
+  const Hall hall(1.2);
+  const MapGround ground(hall, {.radius_m = 0.3});
+  EXPECT_TRUE(ground.CanStand({1.5, 5.5, 0.1}));
+  EXPECT_FALSE(ground.CanStand({10.5, 5.5, 0.1}));
+  EXPECT_FALSE(ground.CanStand({10.5, 4.85, 0.1}));  // its rim
 }
 
 TEST(MapGround, WaysLeadThroughTheDoorway) {
