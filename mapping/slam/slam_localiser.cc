@@ -52,6 +52,7 @@ class SlamLocaliser final : public Localiser {
  public:
   SlamLocaliser(const SlamParams& params, const LocaliserStart& start)
       : params_(params),
+        edge_covariance_(start.edge_covariance),
         graph_(start.T_map_odom * start.T_odom_base),
         search_(params),
         T_odom_node_(start.T_odom_base),
@@ -66,6 +67,7 @@ class SlamLocaliser final : public Localiser {
     return {std::move(spin), latest(), T_odom_node_.inverse()};
   }
 
+  std::optional<PoseGraph> InlierGraph() const override { return graph_.InlierGraph(); }
   Pose T_map_odom() const override { return graph_.T_map_node().back() * T_odom_node_.inverse(); }
 
   std::shared_ptr<const core::PoseSource> poses() const override {
@@ -78,9 +80,11 @@ class SlamLocaliser final : public Localiser {
 
   void BeginNode() {
     const Pose T_latest_node = T_odom_node_.inverse() * T_odom_base_;
-    const double share = std::sqrt(T_latest_node.translation().norm() / kEdgeM);
-    graph_.AddNode(T_latest_node, InformationOf(share * params_.odometry_sigma_m,
-                                                share * core::Radians(params_.odometry_sigma_deg)));
+    const double way_m = T_latest_node.translation().norm(), share = std::sqrt(way_m / kEdgeM);
+    graph_.AddNode(T_latest_node, edge_covariance_
+                                      ? Mat6(edge_covariance_(way_m).inverse())
+                                      : InformationOf(share * params_.odometry_sigma_m,
+                                                      share * core::Radians(params_.odometry_sigma_deg)));
     T_odom_node_ = T_odom_base_;
     seen_ = false;
     snapshot_.reset();
@@ -106,6 +110,7 @@ class SlamLocaliser final : public Localiser {
   }
 
   SlamParams params_;
+  std::function<Mat6(double)> edge_covariance_;
   PoseGraphSlam graph_;
   LoopSearch search_;
   Pose T_odom_node_;  ///< of the latest node
