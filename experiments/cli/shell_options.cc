@@ -39,7 +39,7 @@ std::vector<std::string> SubjectsOf(const std::string& command, const CLI::App& 
   if (command == "sweep") return NamesOfKind("sweeps");
   if (command == "record" || command == "render" || command == "check") return NamesOfKind("scenes");
   if (command == "list") return ListKinds();
-  if (command == "bench") return {"lidar", "mapper", "motion", "correction"};
+  if (command == "bench") return {"lidar", "mapper", "motion", "correction", "odometry", "places"};
   if (command == "completion") return {"bash"};
   if (command == "help") return CommandsOf(app);
   return {};

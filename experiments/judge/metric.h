@@ -11,6 +11,7 @@
 #include "experiments/judge/cloud_score.h"
 #include "experiments/judge/place_errors.h"
 #include "experiments/judge/scan_times.h"
+#include "mapping/slam/localiser.h"
 #include "planner/decision.h"
 #include "sim/simulator.h"
 
@@ -41,6 +42,7 @@ struct JudgedRun {
   CloudScore score;
   std::optional<TrajectoryErrors> trajectory = {};
   size_t submaps = 1;
+  std::optional<mapping::OdometryHealth> odometry = {};
 };
 
 /// From what kind of run.

@@ -215,7 +215,8 @@ void MissionMetrics::Summarise(double sim_time_s, double distance_m, double wall
                       .safety = simulator_ != nullptr ? simulator_->safety() : sim::SafetyCounts{},
                       .score = score_,
                       .trajectory = poses_ ? places_.Errors(*poses_) : std::nullopt,
-                      .submaps = score_.submaps};
+                      .submaps = score_.submaps,
+                      .odometry = odometry_};
   core::Row measured;
   for (const auto& metric : metrics_) metric->Summarise(run, &measured);
   core::Row* numbers = &recorder_->mutable_summary()->numbers;

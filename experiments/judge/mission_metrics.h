@@ -45,6 +45,7 @@ class MissionMetrics {
   /// Where the localiser placed a revolution, with the truth of the moment.
   void ObservePlace(const core::Anchor& base, const core::Pose& T_map_base,
                     std::shared_ptr<const core::PoseSource> poses);
+  void ObserveOdometry(const std::optional<mapping::OdometryHealth>& odometry) { odometry_ = odometry; }
 
   void FinishScan(const planner::Decision& decision, const planner::DecisionLog& log);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
@@ -91,6 +92,7 @@ class MissionMetrics {
   GroundPlan ground_;
   PlaceErrors places_;
   std::shared_ptr<const core::PoseSource> poses_;  ///< the latest
+  std::optional<mapping::OdometryHealth> odometry_;
   int scans_begun_ = 0, scans_finished_ = 0;
   double distance_m_ = 0.0;
   std::optional<double> attainable_share_;

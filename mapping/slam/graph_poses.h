@@ -20,6 +20,7 @@ class SolvedGraph {
   explicit SolvedGraph(std::shared_ptr<const PoseGraph> inliers);
 
   uint32_t size() const { return inliers_->size(); }
+  const PoseGraph& inliers() const { return *inliers_; }
   /// Of T_i_j; nothing where the graph does not hold its nodes. For any thread.
   std::optional<core::Mat6> Relative(uint32_t i, uint32_t j) const;
   const std::vector<std::pair<core::KeyframeId, core::KeyframeId>>& loops() const { return loops_; }

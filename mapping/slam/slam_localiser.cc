@@ -93,6 +93,7 @@ class SlamLocaliser final : public Localiser {
  public:
   SlamLocaliser(const SlamParams& params, const LocaliserStart& start)
       : params_(params),
+        edge_covariance_(start.edge_covariance),
         back_end_(params, start.T_map_odom * start.T_odom_base),
         T_map_node_({start.T_map_odom * start.T_odom_base}),
         solved_(std::make_shared<const SolvedGraph>(
@@ -116,6 +117,16 @@ class SlamLocaliser final : public Localiser {
 
   Pose T_map_odom() const override { return T_map_node_.back() * T_odom_node_.inverse(); }
 
+  std::optional<PoseGraph> InlierGraph() const override {
+    PoseGraph graph = solved_->inliers();
+    for (uint32_t node = graph.size(); node < T_map_node_.size(); ++node) {
+      graph.edges.push_back(
+          {node - 1, node, steps_[node].T_previous_node, steps_[node].covariance.inverse()});
+    }
+    graph.T_map_node = T_map_node_;
+    return graph;
+  }
+
   std::shared_ptr<const core::PoseSource> poses() const override {
     if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(T_map_node_, version_, solved_, steps_);
     return snapshot_;
@@ -132,17 +143,19 @@ class SlamLocaliser final : public Localiser {
   void BeginNode() {
     Finish();
     const Pose T_previous_node = T_odom_node_.inverse() * T_odom_base_;
-    const double share = std::sqrt(T_previous_node.translation().norm() / kEdgeM);
-    node_ = {
-        T_previous_node,
-        InformationOf(share * params_.odometry_sigma_m, share * core::Radians(params_.odometry_sigma_deg)),
-        {}};
+    node_ = {T_previous_node, InformationOfEdge(T_previous_node.translation().norm()), {}};
     T_map_node_.push_back(T_map_node_.back() * T_previous_node);
     steps_.push_back({T_previous_node, node_.information.inverse()});
     T_odom_node_ = T_odom_base_;
     looked_from_.reset();
     looks_ = 0;
     snapshot_.reset();
+  }
+
+  Mat6 InformationOfEdge(double way_m) const {
+    if (edge_covariance_) return edge_covariance_(way_m).inverse();
+    const double share = std::sqrt(way_m / kEdgeM);
+    return InformationOf(share * params_.odometry_sigma_m, share * core::Radians(params_.odometry_sigma_deg));
   }
 
   /// Gathers what the node sees: its first revolution, and others from where the sensor has moved since.
@@ -191,6 +204,7 @@ class SlamLocaliser final : public Localiser {
   }
 
   SlamParams params_;
+  std::function<Mat6(double)> edge_covariance_;
   SlamBackEnd back_end_;  ///< touched by tasks of the lane alone
   std::vector<Pose> T_map_node_;
   std::shared_ptr<const SolvedGraph> solved_;  ///< as of version_
