@@ -1,5 +1,5 @@
-// `atlas map`, `slam`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR. `atlas posegraph`: the back
-// end alone.
+// `atlas map`, `slam`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR. `atlas posegraph`:
+// the back end alone.
 #pragma once
 
 #include <filesystem>
