@@ -25,10 +25,12 @@ SolvedNodes SlamBackEnd::FullPass() {
   return Solved();
 }
 
-SolvedNodes SlamBackEnd::Solved() const {
+SolvedNodes SlamBackEnd::Solved() {
   constexpr size_t kShare = 10;
   const bool due = loops_since_full_pass_ > 0 && kShare * loops_since_full_pass_ >= loops_;
-  return {graph_.T_map_node(), graph_.version(), due};
+  const bool moved = std::exchange(inliers_version_, graph_.version()) != graph_.version();
+  if (!inliers_ || moved) inliers_ = std::make_shared<const PoseGraph>(graph_.InlierGraph());
+  return {graph_.T_map_node(), graph_.version(), due, inliers_};
 }
 
 }  // namespace atlas::mapping

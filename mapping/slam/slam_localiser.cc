@@ -95,6 +95,8 @@ class SlamLocaliser final : public Localiser {
       : params_(params),
         back_end_(params, start.T_map_odom * start.T_odom_base),
         T_map_node_({start.T_map_odom * start.T_odom_base}),
+        solved_(std::make_shared<const SolvedGraph>(
+            std::make_shared<const PoseGraph>(PoseGraph{.T_map_node = T_map_node_}))),
         T_odom_node_(start.T_odom_base),
         T_odom_base_(start.T_odom_base),
         lane_(1, start.threads > 1) {}
@@ -115,7 +117,7 @@ class SlamLocaliser final : public Localiser {
   Pose T_map_odom() const override { return T_map_node_.back() * T_odom_node_.inverse(); }
 
   std::shared_ptr<const core::PoseSource> poses() const override {
-    if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(T_map_node_, version_);
+    if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(T_map_node_, version_, solved_, steps_);
     return snapshot_;
   }
 
@@ -136,7 +138,7 @@ class SlamLocaliser final : public Localiser {
         InformationOf(share * params_.odometry_sigma_m, share * core::Radians(params_.odometry_sigma_deg)),
         {}};
     T_map_node_.push_back(T_map_node_.back() * T_previous_node);
-    T_previous_node_.push_back(T_previous_node);
+    steps_.push_back({T_previous_node, node_.information.inverse()});
     T_odom_node_ = T_odom_base_;
     looked_from_.reset();
     looks_ = 0;
@@ -183,14 +185,16 @@ class SlamLocaliser final : public Localiser {
     if (std::exchange(version_, solved.version) == solved.version) return;
     std::copy(solved.T_map_node.begin(), solved.T_map_node.end(), T_map_node_.begin());
     for (size_t node = solved.T_map_node.size(); node < T_map_node_.size(); ++node)
-      T_map_node_[node] = T_map_node_[node - 1] * T_previous_node_[node];
+      T_map_node_[node] = T_map_node_[node - 1] * steps_[node].T_previous_node;
+    solved_ = std::make_shared<const SolvedGraph>(solved.inliers);
     snapshot_.reset();
   }
 
   SlamParams params_;
   SlamBackEnd back_end_;  ///< touched by tasks of the lane alone
   std::vector<Pose> T_map_node_;
-  std::vector<Pose> T_previous_node_{Pose::Identity()};  ///< by odometry
+  std::shared_ptr<const SolvedGraph> solved_;  ///< as of version_
+  std::vector<NodeStep> steps_{NodeStep{}};    ///< by odometry
   uint64_t version_ = 0;
   Pose T_odom_node_;  ///< of the latest node
   Pose T_odom_base_;
