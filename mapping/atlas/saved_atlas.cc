@@ -127,16 +127,26 @@ class FolderWriter {
     list_ += fmt::format("{},{},{:016x}\n", name, content.size(), core::Crc64(content));
   }
   fs::path At(const std::string& name) const { return folder_ / name; }
+  /// What an atlas that was saved there before has left.
+  void RemoveOthers() const {
+    std::vector<fs::path> others;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (IsAtlasFile(name) && name != "files.csv" && list_.find("\n" + name + ",") == std::string::npos)
+        others.push_back(entry.path());
+    }
+    for (const fs::path& file : others) fs::remove(file);
+  }
   /// The list closes with its own checksum.
   void Finish() {
-    list_ = std::string(kFilesHead) + "\n" + list_;
+    RemoveOthers();
     core::WriteFileAtomically(folder_ / "files.csv", list_ + fmt::format("files.csv,{},{:016x}\n",
                                                                          list_.size(), core::Crc64(list_)));
   }
 
  private:
   fs::path folder_;
-  std::string list_;
+  std::string list_ = std::string(kFilesHead) + "\n";
 };
 
 /// Every file of the list is there as it was written.

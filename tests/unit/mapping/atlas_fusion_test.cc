@@ -58,8 +58,7 @@ struct AtlasFusion : ::testing::Test {
   size_t count() const { return atlas->submaps().size(); }
   std::vector<KeyframeId> KeyframesOf(size_t submap) const {
     std::vector<KeyframeId> ids;
-    for (const HeldKeyframe& held : atlas->submaps()[submap]->keyframes)
-      ids.push_back(held.sensor.keyframe);
+    for (const HeldKeyframe& held : atlas->submaps()[submap]->keyframes) ids.push_back(held.sensor.keyframe);
     return ids;
   }
 
