@@ -92,7 +92,7 @@ void AddMesh(CLI::App* app, int threads, Action* action) {
   const auto a = std::make_shared<MeshArguments>();
   a->threads = threads;
   CLI::App* mesh = app->add_subcommand("mesh", "Surface of a map as a PLY mesh");
-  mesh->add_option("map", a->map, "map.atlas")->required();
+  mesh->add_option("map", a->map, "map.atlas, or the folder of an atlas")->required();
   AddOut(mesh, &a->out, "FILE.ply (default: mesh.ply beside the map)");
   mesh->add_option("--min-component", a->min_component_m2,
                    "m2: connected pieces smaller than this are left out")
@@ -106,7 +106,8 @@ void AddEval(CLI::App* app, int threads, Action* action) {
   a->threads = threads;
   CLI::App* eval = app->add_subcommand(
       "eval", "Accuracy, completeness and coverage of a map, mesh or cloud, as is and aligned");
-  eval->add_option("subject", a->subject, "map.atlas, mesh PLY or cloud (PLY, PCD, .bin)")->required();
+  eval->add_option("subject", a->subject, "map.atlas, folder of an atlas, mesh PLY or cloud (PLY, PCD, .bin)")
+      ->required();
   eval->add_option("--truth", a->truth, "cloud of the true surface (PLY, PCD, .bin)")->required();
   eval->add_option("--radius", a->radii_m, "m: of coverage; several (default 0.043 0.086)")
       ->check(Between(0.001, 10.0));
@@ -124,7 +125,7 @@ void AddExport(CLI::App* app, Action* action) {
   const auto a = std::make_shared<ExportArguments>();
   CLI::App* command =
       app->add_subcommand("export", "A map as OctoMap .bt or .ot, or its surface voxels as PLY");
-  command->add_option("map", a->map, "map.atlas")->required();
+  command->add_option("map", a->map, "map.atlas, or the folder of an atlas")->required();
   AddOut(command, &a->out, "FILE.bt, FILE.ot or FILE.ply")->required();
   command->callback([=] { *action = [=] { return ExportCommand(*a); }; });
 }
