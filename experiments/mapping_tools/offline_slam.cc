@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mapping/atlas/atlas_view.h"
+#include "mapping/atlas/saved_atlas.h"
 #include "mapping/meshing/marching_cubes.h"
 #include "mapping/slam/graph_covariance.h"
 #include "mapping/slam/lidar_front_end.h"
@@ -153,14 +153,8 @@ core::TriMesh OfflineSlam::Mesh(int threads) const {
   impl_->map->Correct(*impl_->localiser->poses());
   mapping::MeshOptions options;
   options.threads = threads;
-  core::TriMesh mesh;
   const auto view = std::dynamic_pointer_cast<const mapping::AtlasView>(impl_->map->Snapshot());
-  for (const mapping::PosedSubmap& submap : view->submaps()) {
-    core::TriMesh part = mapping::ExtractMesh(submap.view.contents().tree, options);
-    part.Transform(submap.T_map_submap);
-    mesh.Append(part);
-  }
-  return mesh;
+  return mapping::ExtractMesh(*view, options);
 }
 
 }  // namespace atlas::experiments

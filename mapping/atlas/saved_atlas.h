@@ -61,6 +61,7 @@ bool IsAtlasFolder(const std::filesystem::path& path);
 bool IsAtlasFile(const std::string& name);
 
 /// One mesh in the map frame: of each submap the triangles whose middle no newer one has measured.
+core::TriMesh ExtractMesh(const AtlasView& view, const MeshOptions& options);
 core::TriMesh ExtractMesh(const SavedAtlas& atlas, const MeshOptions& options);
 /// Centres of what is occupied, in the map frame; where submaps overlap, the newest is right.
 core::PointCloud SurfaceVoxels(const SavedAtlas& atlas);

@@ -6,25 +6,28 @@
 
 namespace atlas::mapping {
 
-core::TriMesh ExtractMesh(const SavedAtlas& atlas, const MeshOptions& options) {
-  const auto view = atlas.View();
+core::TriMesh ExtractMesh(const AtlasView& view, const MeshOptions& options) {
   MeshOptions each = options;
   each.min_component_m2 = 0.0;  // what a newer submap cuts off may hang together through it
   each.progress = nullptr;
   core::TriMesh all;
-  for (size_t i = 0; i < atlas.submaps.size(); ++i) {
-    const SavedSubmap& submap = atlas.submaps[i];
+  for (size_t i = 0; i < view.submaps().size(); ++i) {
+    const PosedSubmap& submap = view.submaps()[i];
     core::TriMesh mesh = ExtractMesh(submap.contents->Get()->tree, each);
     mesh.Transform(submap.T_map_submap);
     std::erase_if(mesh.triangles, [&](const std::array<uint32_t, 3>& t) {
       const core::Vec3f middle = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0f;
-      return view->RightAbout(middle.cast<double>()) < i;
+      return view.RightAbout(middle.cast<double>()) < i;
     });
     all.Append(mesh);
-    if (options.progress) options.progress(i + 1, atlas.submaps.size());
+    if (options.progress) options.progress(i + 1, view.submaps().size());
   }
   DropSmallPieces(options.min_component_m2, &all);
   return all;
+}
+
+core::TriMesh ExtractMesh(const SavedAtlas& atlas, const MeshOptions& options) {
+  return ExtractMesh(*atlas.View(), options);
 }
 
 core::PointCloud SurfaceVoxels(const SavedAtlas& atlas) {

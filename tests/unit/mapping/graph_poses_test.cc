@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/slam/graph_solver.h"
-#include "tests/support/room_graphs.h"
+#include "mapping/slam/room_graph.h"
 
 namespace atlas::tests {
 namespace {
