@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/keyframe.h"
 #include "core/lidar_model.h"
@@ -20,6 +21,12 @@ struct MapSetup {
   bool behind_surface = false;  ///< keep how far behind a hit unmeasured voxels lie (proximity count)
 };
 
+/// A rigid part of a map, and the keyframes whose revolutions it holds.
+struct SubmapMembers {
+  uint32_t id = 0;
+  std::vector<core::KeyframeId> keyframes;
+};
+
 class Map {
  public:
   virtual ~Map() = default;
@@ -33,6 +40,8 @@ class Map {
   virtual size_t Bytes() const = 0;
   /// Rigid parts.
   virtual size_t SubmapCount() const { return 1; }
+  /// The rigid parts of a map that has many; empty for a map that is one.
+  virtual std::vector<SubmapMembers> Submaps() const { return {}; }
   /// Writes the map in the backend's own format; returns the file's name.
   virtual std::string Save(const std::filesystem::path& directory) const = 0;
 };

@@ -58,6 +58,8 @@ class MapView {
 
   virtual double resolution_m() const = 0;
   virtual CellState StateAt(const core::Vec3& p_map) const = 0;
+  /// The rigid part that StateAt asks there; 0 where none has measured it, and of a map that is one.
+  virtual uint32_t SubmapAt(const core::Vec3&) const { return 0; }
 
   /// Appends what the ray crosses inside the limits, nearest first, up to and including the first occupied
   /// voxel. `samples` is cleared first. @pre direction is unit.

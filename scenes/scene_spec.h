@@ -54,6 +54,12 @@ struct ScenePart {
   double ray_transmission = 0.0;
 };
 
+/// A part of a space with a name of its own: boxes of one name are one room.
+struct Room {
+  std::string name;
+  core::Box3 box;
+};
+
 struct SceneSpec {
   std::string name;
   std::string doc;  ///< one line
@@ -65,6 +71,7 @@ struct SceneSpec {
   /// The robot moves inside what is to be mapped (rooms, a campus): the object box holds the spawn and all of
   /// the ground, and every part is the object's unless it lies outside.
   bool is_space = false;
+  std::vector<Room> rooms = {};   ///< of a space that has such; what separates them are doorways
   double truth_spacing_m = 0.01;  ///< of ground-truth clouds where nothing else is asked for
 };
 

@@ -6,9 +6,13 @@ namespace atlas::sim {
 void LocomotionParams::Visit(core::ParamVisitor& v) {
   v.Field(
       "name", &name,
-      {.choices = {"trot", "kinematic", "rail"},
+      {.choices = {"trot", "kinematic", "rail", "carried"},
        .doc = "trot walks under physics; kinematic moves the base without; rail besides keeps it on its path "
-              "by its true pose, whatever it believes"});
+              "by its true pose, whatever it believes; carried is a LiDAR without a robot on a route"});
+  core::AbsentFields absent(&v, "locomotion.name = " + name);
+  core::ParamVisitor &none = absent, &carried = name == "carried" ? v : none;
+  carried.Field("route", &route,
+                {.doc = "a route of scenes/routes with its speed and sway; empty: the scene's own"});
   v.Field("terrain", &terrain,
           {.choices = {"perceived", "truth"},
            .doc = "what footholds are chosen on: the elevation map or true heights"});

@@ -19,8 +19,9 @@ namespace atlas::sim {
 
 struct LocomotionParams {
   /// trot (physics) | kinematic (no physics, for cheap sweeps) | rail (kinematic, on its path by its true
-  /// pose)
+  /// pose) | carried (a LiDAR alone, along a route of scenes/routes)
   std::string name = "trot";
+  std::string route;                  ///< carried: its name; empty: the scene's
   std::string terrain = "perceived";  ///< perceived | truth
   double speed_mps = 0.5;             ///< along paths
   double sweep_roll_deg = 40.0;

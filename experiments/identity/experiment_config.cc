@@ -51,6 +51,9 @@ void MissionParams::Visit(core::ParamVisitor& v) {
            .doc = "flat_by_truth: the last flat_scans scans added less coverage each, on average"});
   v.Field("flat_scans", &flat_scans,
           {.min = 1, .max = 100, .doc = "scans that flat_coverage is judged over"});
+  v.Field("plan_after", &plan_after,
+          {.doc = "two places \"X Y Z\" (m, map): after the mission RRT* plans from one to the other on the "
+                  "map (thesis 4.10.8); planned_way.csv, planned_way.png"});
 }
 
 void OutputParams::Visit(core::ParamVisitor& v) {

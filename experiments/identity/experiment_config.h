@@ -31,6 +31,7 @@ struct MissionParams {
   bool map_while_walking = true;  ///< the map also takes the spins of the walk; off for the thesis's planner
   double flat_coverage = 0.015;   ///< flat_by_truth: the last `flat_scans` scans added less each
   int flat_scans = 3;
+  std::vector<std::string> plan_after;  ///< two places "X Y Z": at the end, a way between them on the map
   void Visit(core::ParamVisitor& v);
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/geometry.h"
 #include "experiments/judge/coverage.h"
+#include "mapping/map.h"
 
 namespace atlas::experiments {
 
@@ -20,6 +21,7 @@ struct CloudScore {
   double seconds = 0.0;  ///< wall-clock time since the last score
   size_t map_bytes = 0;
   size_t submaps = 1;
+  std::vector<mapping::SubmapMembers> submap_members = {};  ///< of a map that has many
   std::optional<double> explored_m3 = {};
 };
 

@@ -10,6 +10,7 @@
 #include "core/table.h"
 #include "experiments/judge/cloud_score.h"
 #include "experiments/judge/place_errors.h"
+#include "experiments/judge/room_scores.h"
 #include "experiments/judge/scan_times.h"
 #include "mapping/slam/localiser.h"
 #include "planner/decision.h"
@@ -43,6 +44,8 @@ struct JudgedRun {
   std::optional<TrajectoryErrors> trajectory = {};
   size_t submaps = 1;
   std::optional<mapping::OdometryHealth> odometry = {};
+  std::optional<RoomScores> rooms = {};  ///< of a scene that tells its rooms and a map that has submaps
+  std::optional<double> planned_m = {};  ///< length of the way that mission.plan_after found
 };
 
 /// From what kind of run.

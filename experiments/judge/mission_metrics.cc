@@ -177,6 +177,7 @@ void MissionMetrics::ScoreClouds(const mapping::Map& map, const core::PoseSource
   scored_.T_truth_cloud = meter_->T_truth_cloud_counted();
   scored_.map_bytes = map.Bytes();
   scored_.submaps = map.SubmapCount();
+  scored_.submap_members = map.Submaps();
   if (volume_) scored_.explored_m3 = volume_->ExploredM3(*map.Snapshot());
   scored_.seconds += measuring.seconds();
 }
@@ -216,7 +217,9 @@ void MissionMetrics::Summarise(double sim_time_s, double distance_m, double wall
                       .score = score_,
                       .trajectory = poses_ ? places_.Errors(*poses_) : std::nullopt,
                       .submaps = score_.submaps,
-                      .odometry = odometry_};
+                      .odometry = odometry_,
+                      .rooms = ScoreRooms(scene_, places_.places(), score_.submap_members),
+                      .planned_m = planned_m_};
   core::Row measured;
   for (const auto& metric : metrics_) metric->Summarise(run, &measured);
   core::Row* numbers = &recorder_->mutable_summary()->numbers;
@@ -240,6 +243,7 @@ void MissionMetrics::Save(const mapping::Map& map) {
   core::WriteFileAtomically(options_.folder / "coverage_by_part.csv",
                             PartsCsv(truth_, attainable_, score_.covered, score_.covered_outer));
   map.Save(options_.folder);
+  core::WriteFileAtomically(options_.folder / kMapSeriesFile, series_.Csv());
   if (const auto view = map.Snapshot()) {
     const double height_m = scene_.T_map_spawn.translation().z() + kSliceHeightM;
     WriteMapSlice(options_.folder, *view, scene_.object_box, height_m);

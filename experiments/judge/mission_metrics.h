@@ -14,6 +14,7 @@
 #include "experiments/judge/explored_volume.h"
 #include "experiments/judge/metric.h"
 #include "experiments/results/ground_plan.h"
+#include "experiments/results/map_series.h"
 #include "experiments/results/run_recorder.h"
 #include "mapping/map.h"
 #include "scenes/catalog.h"
@@ -47,6 +48,13 @@ class MissionMetrics {
                     std::shared_ptr<const core::PoseSource> poses);
   void ObserveOdometry(const std::optional<mapping::OdometryHealth>& odometry) { odometry_ = odometry; }
 
+  /// After each revolution that the map has taken.
+  void ObserveMapped(const mapping::Map& map, core::KeyframeId keyframe) { series_.Observe(map, keyframe); }
+  /// What mission.plan_after found; nothing where there is no way.
+  void ObservePlannedWay(std::optional<double> length_m) { planned_m_ = length_m; }
+  /// Where keyframes truly were when they began.
+  const PlaceErrors& places() const { return places_; }
+
   void FinishScan(const planner::Decision& decision, const planner::DecisionLog& log);
   void ObserveWalk(const sim::WalkResult& walk, double wall_s);
   /// Ground that planning knows by now, and why it left some of it out.
@@ -64,9 +72,10 @@ class MissionMetrics {
   int scans_begun() const { return scans_begun_; }
   ScanTimes& timing() { return scan_.times; }
 
- private:
   /// A line that stays, on the terminal and in log.txt.
   void Note(const std::string& line);
+
+ private:
   void FindAttainable(const robots::RobotSpec& robot);
   /// Samples what stands around the object, once: the cloud's error leaves it out.
   void SampleSurroundings();
@@ -91,6 +100,8 @@ class MissionMetrics {
   double wall_time_s_ = 0.0;  ///< of the mission, without what Save does
   GroundPlan ground_;
   PlaceErrors places_;
+  MapSeries series_;
+  std::optional<double> planned_m_;
   std::shared_ptr<const core::PoseSource> poses_;  ///< the latest
   std::optional<mapping::OdometryHealth> odometry_;
   int scans_begun_ = 0, scans_finished_ = 0;

@@ -27,6 +27,8 @@ class PlaceErrors {
     core::Pose T_map_base_true = core::Pose::Identity();  ///< as it was
   };
   void Observe(const Place& place);
+  /// One a keyframe.
+  const std::vector<Place>& places() const { return places_; }
   /// Nothing before the first.
   std::optional<TrajectoryErrors> Errors(const core::PoseSource& poses) const;
 

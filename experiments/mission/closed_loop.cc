@@ -6,6 +6,7 @@
 #include "core/files.h"
 #include "core/stopwatch.h"
 #include "experiments/mission/ending.h"
+#include "experiments/mission/map_pictures.h"
 #include "experiments/mission/mission.h"
 #include "experiments/results/run_folder.h"
 
@@ -133,6 +134,7 @@ RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& option
     SaveWhatCanBe(&mission);
     throw;  // past the recorder, which says that the run failed
   }
+  FinishWithPictures(&mission);
   mission.metrics.Save(*mission.map);
   const bool interrupted = ending.status == RunStatus::kInterrupted;
   if (!mission.film.Finish(!interrupted)) ending = {RunStatus::kInterrupted, StopReason::kSignal};

@@ -1,5 +1,6 @@
 #include "experiments/mission/mission.h"
 
+#include "experiments/mission/map_pictures.h"
 #include "experiments/mission/run_localiser.h"
 #include "mapping/backends/catalog.h"
 #include "planner/planners/catalog.h"
@@ -70,6 +71,7 @@ Mission::Mission(const ExperimentConfig& given, const RunOptions& run_options)
                                                     .rng = rng.Split("planner")})),
       surface(scene.object_box, config.mapper.resolution_m),
       lanes(kTaskLanes, options.threads > 1) {
+  PlanAfterOf(config.mission);  // refuses what it cannot read before hours are spent
   terrain.InitialiseUnderRobot(simulator->T_odom_base());
   simulator->SetLocalisation(localiser->T_map_odom());
   simulator->SetSink(&feed);
@@ -94,6 +96,7 @@ SensorFeed::Listeners Mission::Listeners() {
               [this](const mapping::ReturnCloud& returns, core::KeyframeId keyframe,
                      const core::PoseSource& poses) {
                 metrics.TakeCloud(returns, keyframe, poses);
+                metrics.ObserveMapped(*map, keyframe);
                 returns_map.insert(returns_map.end(), returns.points.begin(), returns.points.end());
               }};
 }

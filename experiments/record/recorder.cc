@@ -24,11 +24,11 @@ core::LidarModel ModelFor(const RecordOptions& options) {
   return model;
 }
 
-Route RouteFor(const RecordOptions& options) {
-  return LoadRoute(options.route.empty() ? DefaultRouteOf(options.scene) : options.route);
+scenes::Route RouteFor(const RecordOptions& options) {
+  return scenes::LoadRoute(options.route.empty() ? scenes::DefaultRouteOf(options.scene) : options.route);
 }
 
-void CheckInside(const Route& route, const scenes::SceneSpec& scene) {
+void CheckInside(const scenes::Route& route, const scenes::SceneSpec& scene) {
   const core::Box3& box = scene.bounds;
   for (size_t i = 0; i < route.waypoints.size(); ++i) {
     const Vec3& p = route.waypoints[i].p_map;
@@ -42,7 +42,8 @@ void CheckInside(const Route& route, const scenes::SceneSpec& scene) {
 }
 
 /// A ray from each pose to one some 10 cm on: a sensor does not pass through surfaces.
-void CheckClear(const Route& route, const core::PoseTrajectory& trajectory, const sim::Raycaster& raycaster) {
+void CheckClear(const scenes::Route& route, const core::PoseTrajectory& trajectory,
+                const sim::Raycaster& raycaster) {
   constexpr double kStride_m = 0.1;
   std::vector<core::Ray> rays;
   std::vector<float> length;
@@ -65,7 +66,7 @@ void CheckClear(const Route& route, const core::PoseTrajectory& trajectory, cons
   }
 }
 
-GroundBelow GroundOf(const sim::Raycaster& raycaster) {
+scenes::GroundBelow GroundOf(const sim::Raycaster& raycaster) {
   return [&raycaster](double x, double y, double z) -> std::optional<double> {
     const core::Ray down{Vec3(x, y, z).cast<float>(), -core::Vec3f::UnitZ()};
     sim::RayHit hit;
@@ -84,8 +85,8 @@ double LengthOf(const core::PoseTrajectory& trajectory) {
 }
 
 /// Starts of the revolutions, on whole nanoseconds, as file names carry them.
-std::vector<double> StampsFor(const RecordOptions& options, const Route& route, const core::LidarModel& model,
-                              double duration_s) {
+std::vector<double> StampsFor(const RecordOptions& options, const scenes::Route& route,
+                              const core::LidarModel& model, double duration_s) {
   const double last_s = duration_s - 1.0 / model.spin_rate_hz;
   if (last_s < 0.0) {
     throw core::InputError(fmt::format("{}: the way takes {:.2f} s, less than a revolution of the {}",
@@ -125,8 +126,8 @@ struct DatasetRecorder::Impl {
         lidar(model, core::Rng(given.seed)) {
     CheckInside(route, scene);
     raycaster.CommitPoses();
-    trajectory = DriveRoute(route, options.speed_m_s.value_or(route.speed_m_s), kTrajectoryStep_s,
-                            GroundOf(raycaster));
+    trajectory = scenes::DriveRoute(route, options.speed_m_s.value_or(route.speed_m_s), kTrajectoryStep_s,
+                                    GroundOf(raycaster));
     CheckClear(route, trajectory, raycaster);
     length_m = LengthOf(trajectory);
     stamps_s = StampsFor(options, route, model, trajectory.poses().back().time_s);
@@ -135,7 +136,7 @@ struct DatasetRecorder::Impl {
   RecordOptions options;
   core::LidarModel model;
   scenes::SceneSpec scene;
-  Route route;
+  scenes::Route route;
   sim::Raycaster raycaster;
   sim::Lidar lidar;
   core::PoseTrajectory trajectory;
@@ -156,7 +157,7 @@ const scenes::SceneSpec& DatasetRecorder::scene() const {
 const core::LidarModel& DatasetRecorder::lidar() const {
   return impl_->model;
 }
-const Route& DatasetRecorder::route() const {
+const scenes::Route& DatasetRecorder::route() const {
   return impl_->route;
 }
 const core::PoseTrajectory& DatasetRecorder::trajectory() const {

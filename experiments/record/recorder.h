@@ -13,7 +13,7 @@
 
 #include "core/lidar_model.h"
 #include "core/sensor_events.h"
-#include "experiments/record/route.h"
+#include "scenes/route.h"
 #include "scenes/scene_spec.h"
 
 namespace atlas::experiments {
@@ -40,7 +40,7 @@ class DatasetRecorder {
   const RecordOptions& options() const;
   const scenes::SceneSpec& scene() const;
   const core::LidarModel& lidar() const;
-  const Route& route() const;
+  const scenes::Route& route() const;
 
   /// T_map_lidar every 5 ms of the whole way.
   const core::PoseTrajectory& trajectory() const;

@@ -185,6 +185,12 @@ CellState AtlasView::StateAt(const Vec3& p_map) const {
   return state;
 }
 
+uint32_t AtlasView::SubmapAt(const Vec3& p_map) const {
+  CellState state = CellState::kUnknown;
+  const size_t first = FirstThatMeasured(p_map, &state);
+  return first < submaps_.size() ? submaps_[first].id : 0;
+}
+
 /// A ray's way through each of the submaps that it has met so far. A thread keeps one for all its rays, so
 /// that the samples' memory is taken once.
 class AtlasView::Throughs {

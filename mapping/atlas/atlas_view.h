@@ -40,6 +40,7 @@ class AtlasView final : public MapView {
 
   double resolution_m() const override { return resolution_m_; }
   CellState StateAt(const core::Vec3& p_map) const override;
+  uint32_t SubmapAt(const core::Vec3& p_map) const override;
   /// Unmeasured voxels are those of a grid in the map frame; measured ones are their submap's own.
   RayEnd Trace(const core::Vec3& origin_map, const core::Vec3& direction_map, const TraceLimits& limits,
                std::vector<RaySample>* samples) const override;

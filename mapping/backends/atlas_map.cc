@@ -18,6 +18,15 @@ class AtlasMap final : public Map {
   std::shared_ptr<const MapView> Snapshot() const override { return atlas_.Snapshot(); }
   size_t Bytes() const override { return atlas_.Bytes(); }
   size_t SubmapCount() const override { return atlas_.submaps().size(); }
+  std::vector<SubmapMembers> Submaps() const override {
+    std::vector<SubmapMembers> members;
+    for (const auto& submap : atlas_.submaps()) {
+      members.push_back({submap->id, {}});
+      for (const HeldKeyframe& held : submap->keyframes)
+        members.back().keyframes.push_back(held.sensor.keyframe);
+    }
+    return members;
+  }
 
   std::string Save(const std::filesystem::path& directory) const override {
     WriteAtlas(directory / "atlas", atlas_.Saved());

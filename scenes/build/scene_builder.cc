@@ -28,7 +28,7 @@ ScenePart& SceneBuilder::PartOf(const Paint& paint) {
 void SceneBuilder::Box(const Paint& paint, const Vec3& half_size, const Pose& T_map_box) {
   const core::TriMesh mesh = MakeBox(half_size, T_map_box);
   Visual(paint, mesh);
-  if (mesh.Bounds().min.z() < kReachHeight_m) Collide(paint, {BoxShape{half_size}, T_map_box});
+  if (mesh.Bounds().min.z() < reach_z_) Collide(paint, {BoxShape{half_size}, T_map_box});
 }
 
 void SceneBuilder::Box(const Paint& paint, const Vec3& min, const Vec3& max, Physics physics) {
@@ -46,7 +46,7 @@ void SceneBuilder::Cylinder(const Paint& paint, const Vec3& a, const Vec3& b, do
   const double half_length = 0.5 * (b - a).norm();
   const core::TriMesh mesh = MakeCylinder(radius, half_length, T_map_cylinder, corners);
   Visual(paint, mesh);
-  if (mesh.Bounds().min.z() < kReachHeight_m) {
+  if (mesh.Bounds().min.z() < reach_z_) {
     Collide(paint, {CylinderShape{radius, half_length}, T_map_cylinder});
   }
 }
@@ -54,7 +54,7 @@ void SceneBuilder::Cylinder(const Paint& paint, const Vec3& a, const Vec3& b, do
 void SceneBuilder::Tube(const Paint& paint, const std::vector<Vec3>& path, double radius, int corners) {
   Visual(paint, MakeTube(path, radius, corners));
   for (size_t i = 0; i + 1 < path.size(); ++i) {
-    if (std::min(path[i].z(), path[i + 1].z()) - radius >= kReachHeight_m) continue;
+    if (std::min(path[i].z(), path[i + 1].z()) - radius >= reach_z_) continue;
     const double half_length = 0.5 * (path[i + 1] - path[i]).norm();
     Collide(paint, {CapsuleShape{radius, half_length}, PoseBetween(path[i], path[i + 1])});
   }
@@ -62,7 +62,7 @@ void SceneBuilder::Tube(const Paint& paint, const std::vector<Vec3>& path, doubl
 
 void SceneBuilder::Convex(const Paint& paint, const core::TriMesh& mesh) {
   Visual(paint, mesh);
-  if (mesh.Bounds().min.z() < kReachHeight_m)
+  if (mesh.Bounds().min.z() < reach_z_)
     Collide(paint, {HullShape{ConvexHull(mesh.vertices)}, Pose::Identity()});
 }
 

@@ -9,7 +9,7 @@
 
 namespace atlas::scenes {
 
-/// Surfaces wholly above this height over the map's ground are out of the robot's reach and carry no physics.
+/// Surfaces wholly above this height over the floor are out of the robot's reach and carry no physics.
 constexpr double kReachHeight_m = 1.3;
 
 /// What a solid is. Solids with equal paint join one part.
@@ -29,6 +29,9 @@ enum class Physics { kSolid, kNone };
 
 class SceneBuilder {
  public:
+  /// What is added from now on is reached from a floor at this height; at first z = 0.
+  void SetFloor(double floor_z) { reach_z_ = floor_z + kReachHeight_m; }
+
   /// Axis-aligned box.
   void Box(const Paint& paint, const core::Vec3& min, const core::Vec3& max,
            Physics physics = Physics::kSolid);
@@ -55,6 +58,7 @@ class SceneBuilder {
   ScenePart& PartOf(const Paint& paint);
 
   SceneSpec scene_;
+  double reach_z_ = kReachHeight_m;
 };
 
 /// Axis-aligned pose at `p`.

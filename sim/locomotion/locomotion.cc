@@ -10,7 +10,8 @@ std::unique_ptr<Locomotion> MakeLocomotion(const scenes::SceneSpec& scene, const
   const std::string& name = params.locomotion.name;
   if (name == "trot") return MakeTrot(scene, robot, params, rng);
   if (name == "kinematic" || name == "rail") return MakeKinematic(scene, robot, params, rng);
-  throw core::InputError(core::UnknownName("locomotion", name, {"trot", "kinematic", "rail"}));
+  if (name == "carried") return MakeCarried(scene, robot, params, rng);
+  throw core::InputError(core::UnknownName("locomotion", name, {"trot", "kinematic", "rail", "carried"}));
 }
 
 Vec12 NominalPosture(const World& world, double height_m) {

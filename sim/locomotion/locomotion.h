@@ -28,6 +28,11 @@ class Locomotion {
   /// The odometry's T_odom_base, whenever that changes: where perceived ground is looked up.
   virtual void SetOdometry(const core::Pose& T_odom_base) = 0;
 
+  /// Goes along a route of its own, without a body: commands and rolls are not for it, CarryTo is.
+  virtual bool carried() const { return false; }
+  /// Sets off to where its route next comes by `p_map` (2 m on the plan); false where it never does again.
+  virtual bool CarryTo(const core::Vec2&) { return false; }
+
   /// Brings the readable state up to time_s(); then reads, then FinishStep() advances the clock by step_s().
   virtual void BeginStep() = 0;
   virtual void FinishStep() = 0;

@@ -1,4 +1,4 @@
-// The two kinds of locomotion, one .cc each.
+// The kinds of locomotion, one .cc each.
 #pragma once
 
 #include "sim/locomotion/locomotion.h"
@@ -9,5 +9,8 @@ std::unique_ptr<Locomotion> MakeTrot(const scenes::SceneSpec& scene, const robot
                                      const SimParams& params, const core::Rng& rng);
 std::unique_ptr<Locomotion> MakeKinematic(const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
                                           const SimParams& params, const core::Rng& rng);
+
+std::unique_ptr<Locomotion> MakeCarried(const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
+                                        const SimParams& params, const core::Rng& rng);
 
 }  // namespace atlas::sim

@@ -3,7 +3,7 @@
 namespace atlas::sim {
 namespace {
 
-constexpr double kContactN = 5.0;
+constexpr double kCollisionN = 5.0;
 constexpr double kDebounceS = 0.5;
 constexpr double kFallenUpright = 0.3;  ///< cosine of the tilt
 constexpr double kFallenHeightM = 0.15;
@@ -27,8 +27,8 @@ bool SafetyMonitor::Episode::Starts(double time_s) {
 void SafetyMonitor::OnStep(const World& world, const TrotController& controller) {
   const double now = world.time_s();
   const LinkContacts& contacts = world.contacts();
-  if (contacts.body_n > kContactN && collision_.Starts(now)) ++counts_.collisions;
-  if (contacts.shank_n > kContactN && brush_.Starts(now)) ++counts_.shank_brushes;
+  if (contacts.body_n > kCollisionN && collision_.Starts(now)) ++counts_.collisions;
+  if (contacts.shank_n > kCollisionN && brush_.Starts(now)) ++counts_.shank_brushes;
 
   for (const TrotController::FootNews& news : controller.news()) {
     if (news.event == TrotController::FootEvent::kCommitted) {

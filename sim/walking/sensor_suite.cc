@@ -17,7 +17,7 @@ core::LidarModel ModelFor(const SensorParams& params, const robots::RobotSpec& r
 }  // namespace
 
 SensorSuite::SensorSuite(const scenes::SceneSpec& scene, const robots::RobotSpec& robot,
-                         const SensorParams& params, const World& world, const core::Rng& rng)
+                         const SensorParams& params, const Locomotion& carrier, const core::Rng& rng)
     : params_(params),
       T_base_lidar_(robot.T_base_lidar),
       T_base_camera_(robot.T_base_depth),
@@ -30,7 +30,8 @@ SensorSuite::SensorSuite(const scenes::SceneSpec& scene, const robots::RobotSpec
     model.max_depth_m = params.depth_max_m;
     camera_.emplace(scene, model, rng.Split("depth"));
   }
-  for (const core::TriMesh& mesh : world.body_meshes()) {
+  if (carrier.carried()) return;  // nothing of it is seen
+  for (const core::TriMesh& mesh : carrier.world().body_meshes()) {
     raycaster_.AddBody(mesh);
     if (camera_) camera_->AddBody(mesh);
   }
@@ -75,7 +76,7 @@ void SensorSuite::EmitState(const Locomotion& robot, const Odometry& odometry, c
 
 void SensorSuite::TakeDepth(const Locomotion& robot, const Odometry& odometry, core::SensorSink* sink) {
   next_depth_s_ = robot.time_s() + 1.0 / params_.depth_rate_hz;
-  robot.world().BodyPoses(&T_map_body_);
+  if (!robot.carried()) robot.world().BodyPoses(&T_map_body_);
   for (size_t i = 0; i < T_map_body_.size(); ++i) camera_->SetBodyPose(static_cast<int>(i), T_map_body_[i]);
   core::DepthEvent event;
   event.time_s = robot.time_s();
@@ -104,7 +105,7 @@ void SensorSuite::RecordSpin(const Locomotion& robot, const Odometry& odometry) 
   }
   if (bodies_.empty() || now >= bodies_.back().time_s + kBodySpacingS - kTimeEps) {
     bodies_.push_back({now, {}});
-    robot.world().BodyPoses(&bodies_.back().T_map_body);
+    if (!robot.carried()) robot.world().BodyPoses(&bodies_.back().T_map_body);
   }
 }
 

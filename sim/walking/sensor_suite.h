@@ -16,7 +16,7 @@ enum class Activity { kStanding, kWalking, kSweeping };
 class SensorSuite {
  public:
   SensorSuite(const scenes::SceneSpec& scene, const robots::RobotSpec& robot, const SensorParams& params,
-              const World& world, const core::Rng& rng);
+              const Locomotion& carrier, const core::Rng& rng);
 
   /// Decides which revolutions are cast from their start on, and whether the depth camera runs.
   void SetActivity(Activity activity) { activity_ = activity; }
@@ -26,6 +26,7 @@ class SensorSuite {
   std::string render_backend() const { return camera_ ? camera_->backend() : "off"; }
   std::string render_problem() const { return camera_ ? camera_->why_unavailable() : ""; }
 
+  double revolution_s() const { return 1.0 / lidar_.model().spin_rate_hz; }
   /// Whether a revolution starts at the next observation.
   bool AtSpinStart(double time_s) const;
 

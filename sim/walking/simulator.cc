@@ -43,7 +43,7 @@ class WalkingSimulator : public Simulator {
         locomotion_(MakeLocomotion(scene, robot, params, rng.Split("locomotion"))),
         odometry_(params.odometry, scene.T_map_spawn, locomotion_->T_map_base(), rng.Split("odometry")),
         T_map_odom_(scene.T_map_spawn),
-        sensors_(scene, robot, params.sensors, locomotion_->world(), rng.Split("sensors")) {}
+        sensors_(scene, robot, params.sensors, *locomotion_, rng.Split("sensors")) {}
 
   void SetSink(core::SensorSink* sink) override { sink_ = sink; }
   void SetLocalisation(const core::Pose& T_map_odom) override { T_map_odom_ = T_map_odom; }
@@ -70,6 +70,8 @@ class WalkingSimulator : public Simulator {
 
   core::Pose BelievedBase() const { return T_map_odom_ * odometry_.T_odom_base(); }
   MotionStatus Run(const Tick& tick);
+  Tick Follow(const WalkPath& path);
+  Tick BeCarried(const WalkPath& path);
   MotionStatus ComeToStand();
   void Step();
   void Measure(double now_s);
@@ -161,6 +163,31 @@ MotionStatus WalkingSimulator::Stand(double duration_s) {
   });
 }
 
+WalkingSimulator::Tick WalkingSimulator::Follow(const WalkPath& path) {
+  auto tracker =
+      std::make_shared<PathTracker>(path.waypoints_map, path.final_yaw_rad, params_.locomotion.speed_mps);
+  return [this, tracker](double now) -> std::optional<MotionStatus> {
+    const core::Pose T_map_base =
+        params_.locomotion.name == "rail" ? locomotion_->T_map_base() : BelievedBase();
+    const PathTracker::Output out =
+        tracker->Update(now, T_map_base.translation().head<2>(), core::YawOf(T_map_base.linear()));
+    locomotion_->SetCommand(out.command);
+    if (out.status == PathTracker::Status::kArrived) return MotionStatus::kReached;
+    if (out.status == PathTracker::Status::kStuck) return MotionStatus::kStuck;
+    return std::nullopt;
+  };
+}
+
+/// Whatever lies between, the route leads to the path's end.
+WalkingSimulator::Tick WalkingSimulator::BeCarried(const WalkPath& path) {
+  const bool passes = !path.waypoints_map.empty() && locomotion_->CarryTo(path.waypoints_map.back());
+  return [this, passes](double) -> std::optional<MotionStatus> {
+    if (!passes) return MotionStatus::kStuck;
+    if (locomotion_->standing()) return MotionStatus::kReached;
+    return std::nullopt;
+  };
+}
+
 WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView* terrain) {
   const bool truth = terrain == nullptr || params_.locomotion.terrain == "truth";
   locomotion_->SetTerrain(truth ? GroundSource::kTruth : GroundSource::kPerceived, terrain);
@@ -169,18 +196,8 @@ WalkResult WalkingSimulator::Walk(const WalkPath& path, const core::TerrainView*
   walked_ = Odometer(locomotion_->T_map_base());
   walked_by_odometry_ = Odometer(odometry_.T_odom_base());
 
-  PathTracker tracker(path.waypoints_map, path.final_yaw_rad, params_.locomotion.speed_mps);
   WalkResult result;
-  result.status = Run([&](double now) -> std::optional<MotionStatus> {
-    const core::Pose T_map_base =
-        params_.locomotion.name == "rail" ? locomotion_->T_map_base() : BelievedBase();
-    const PathTracker::Output out =
-        tracker.Update(now, T_map_base.translation().head<2>(), core::YawOf(T_map_base.linear()));
-    locomotion_->SetCommand(out.command);
-    if (out.status == PathTracker::Status::kArrived) return MotionStatus::kReached;
-    if (out.status == PathTracker::Status::kStuck) return MotionStatus::kStuck;
-    return std::nullopt;
-  });
+  result.status = Run(locomotion_->carried() ? BeCarried(path) : Follow(path));
   locomotion_->SetCommand({});
   if (result.status == MotionStatus::kReached || result.status == MotionStatus::kStuck) {
     const MotionStatus stand = ComeToStand();
@@ -202,8 +219,10 @@ MotionStatus WalkingSimulator::RollSweep() {
 
   sweep_start_s_ = time_s();
   profile_.emplace(core::Radians(params_.locomotion.sweep_roll_deg), params_.locomotion.sweep_period_s);
+  // What is carried does not roll: a revolution where it stands.
+  const double sweep_s = locomotion_->carried() ? sensors_.revolution_s() : profile_->period_s();
   const MotionStatus status = Run([&](double now) -> std::optional<MotionStatus> {
-    if (now - sweep_start_s_ >= profile_->period_s() - kTickEps) return MotionStatus::kReached;
+    if (now - sweep_start_s_ >= sweep_s - kTickEps) return MotionStatus::kReached;
     return std::nullopt;
   });
   if (status == MotionStatus::kReached) {

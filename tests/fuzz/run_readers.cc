@@ -2,9 +2,9 @@
 
 #include "core/files.h"
 #include "experiments/identity/experiment_config.h"
-#include "experiments/record/route.h"
 #include "experiments/sweep/sweep_spec.h"
 #include "experiments/video/run_recording.h"
+#include "scenes/route.h"
 #include "tests/fuzz/fuzzed_reader.h"
 
 namespace atlas::fuzz {
@@ -46,7 +46,7 @@ std::vector<FuzzedReader> RunReaders() {
       {"recording.bin", {SmallRecording()}, [](auto, auto& file) { experiments::LoadRecording(file); }, true},
       {"route.yaml",
        {core::ReadFile(core::InstalledFile("scenes/routes/rooms_small.yaml"))},
-       [](auto, auto& file) { experiments::LoadRoute(file); },
+       [](auto, auto& file) { scenes::LoadRoute(file); },
        true}};
 }
 

@@ -5,17 +5,21 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/sensor_events.h"
 
-namespace atlas::experiments {
+namespace atlas::scenes {
 
 /// How the carrier sways, so that a revolution is distorted by motion: amplitudes about the smooth path.
 struct RouteSway {
   double roll_deg = 0.0, pitch_deg = 0.0, yaw_deg = 0.0;
   double bob_m = 0.0;    ///< up and down
   double step_hz = 1.6;  ///< of the steps
+  // Of a carrier that is simulated (sim/locomotion/carried.cc), not of recorded data sets.
+  double glance_deg = 0.0;   ///< now and then it turns this far aside and back; 0: never
+  double turn_deg_s = 90.0;  ///< and turns no faster than this
 };
 
 struct Waypoint {
@@ -42,10 +46,32 @@ std::filesystem::path DefaultRouteOf(const std::string& scene);
 /// Height of the surface below (x, y) next under `z`, or nothing.
 using GroundBelow = std::function<std::optional<double>(double x, double y, double z)>;
 
+/// The smooth curve through a route's waypoints, by arc length. Frame: map.
+class RouteCurve {
+ public:
+  /// @throws InputError for a waypoint with no ground below where heights count from there.
+  RouteCurve(const Route& route, const GroundBelow& ground);
+
+  double length_m() const { return s_.back(); }
+  core::Vec3 At(double along_m) const;
+  /// Heading of the curve, turned at waypoints that give one; continuous, not wrapped.
+  double YawAt(double along_m) const;
+
+ private:
+  void MeasureLength();
+  void RaiseFromGround(const Route& route, const GroundBelow& ground);
+  void FindHeadings(const Route& route, const std::vector<size_t>& waypoint_index);
+  /// The index and share of the sample at arc length `along_m`.
+  std::pair<size_t, double> Locate(double along_m) const;
+
+  std::vector<core::Vec3> p_;
+  std::vector<double> s_, yaw_;
+};
+
 /// T_map_lidar every `step_s` from time 0 to the route's end: a smooth curve through the waypoints at
 /// constant speed, heading along it, swaying. @throws InputError for a waypoint with no ground below where
 /// heights count from there.
 core::PoseTrajectory DriveRoute(const Route& route, double speed_m_s, double step_s,
                                 const GroundBelow& ground);
 
-}  // namespace atlas::experiments
+}  // namespace atlas::scenes
