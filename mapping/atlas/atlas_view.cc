@@ -186,8 +186,7 @@ CellState AtlasView::StateAt(const Vec3& p_map) const {
 }
 
 uint32_t AtlasView::SubmapAt(const Vec3& p_map) const {
-  CellState state = CellState::kUnknown;
-  const size_t first = FirstThatMeasured(p_map, &state);
+  const size_t first = RightAbout(p_map);
   return first < submaps_.size() ? submaps_[first].id : 0;
 }
 
