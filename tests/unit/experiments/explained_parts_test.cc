@@ -204,15 +204,18 @@ TEST(ExplainedParts, OfEveryMapperAct) {
   settings["mapper.lambda_odom_m"] = {{"mapper.cloud_overlap=0"}, "1"};
   settings["mapper.cloud_overlap"] = {{}, "0"};
   const std::string apart = "mapper.cloud_overlap=1", stay = "mapper.reentry=false";  // a submap a keyframe
-  const std::string no_overlap = "mapper.fusion_overlap=0", easily = "mapper.fusion_overlap_both=0";
+  const std::string no_overlap = "mapper.fusion_overlap=0";
+  // Two laps leave nothing unmeasured behind the block.
+  settings["mapper.behind_surface_m"] = {
+      {}, "", "SeAtlasMap.BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls"};
   settings["mapper.reentry"] = {{no_overlap}};
   settings["mapper.fusion_overlap"] = {{apart, stay}, "0"};
   settings["mapper.fusion_overlap_both"] = {{apart, stay}, "1"};
   settings["mapper.fusion_range_m"] = {{apart, stay}, "0.01"};
   settings["mapper.lambda_cluster_m"] = {{apart, stay, no_overlap}, "0.01"};
   settings["mapper.sigma_max_m"] = {{apart, stay}, "0.05"};
-  settings["mapper.update_m"] = {{apart, stay, easily, "mapper.update_deg=180"}, "10"};
-  settings["mapper.update_deg"] = {{apart, stay, easily, "mapper.update_m=10"}, "180"};
+  settings["mapper.update_m"] = settings["mapper.update_deg"] = {
+      {}, "", "AtlasFusion.UnderTheThresholdsOfPoseUpdateNothingIsMeasuredAgain"};
   settings["mapper.memory_limit_mb"] = {{apart, stay, no_overlap}, "0.01"};
   const tests::TinyMissions missions;
   const std::vector<tests::PlacedSpins> sweeps = SweepsOfABlock();

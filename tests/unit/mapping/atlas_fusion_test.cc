@@ -169,6 +169,25 @@ TEST_F(AtlasFusion, UnderTheThresholdsOfPoseUpdateNothingIsMeasuredAgain) {
   EXPECT_LT((atlas->submaps()[1]->T_map_submap.translation() + kFar).norm(), 1e-12) << "but it has moved";
 }
 
+TEST_F(AtlasFusion, TurnsPastTheThresholdAreMeasuredAgainToo) {
+  for (const double threshold_deg : {2.5, 120.0}) {
+    SCOPED_TRACE(threshold_deg);
+    params.update_m = 5.0;
+    params.update_deg = threshold_deg;
+    T_map_keyframe.assign(8, Pose::Identity());
+    TwoSubmaps();
+    for (const size_t k : {2u, 3u})
+      T_map_keyframe[k] = core::PoseFromXyzYaw(-kFar + Vec3(2.5, 0.0, 0.0), core::Radians(90.0));
+    ++version;
+    atlas->Correct(Poses());
+    ASSERT_EQ(count(), 2u);
+    for (const size_t k : {2u, 3u}) T_map_keyframe[k] = core::PoseFromXyzYaw(-kFar, 0.0);
+    ++version;
+    atlas->Correct(Poses());
+    EXPECT_EQ(count(), threshold_deg < 90.0 ? 1u : 2u);
+  }
+}
+
 TEST_F(AtlasFusion, AKeyframeGoesBackToTheSubmapThatItFits) {
   Start();
   See(0, Vec3::Zero());
