@@ -205,7 +205,9 @@ TEST(ExplainedParts, OfEveryMapperAct) {
   settings["mapper.cloud_overlap"] = {{}, "0"};
   const std::string apart = "mapper.cloud_overlap=1", stay = "mapper.reentry=false";  // a submap a keyframe
   const std::string no_overlap = "mapper.fusion_overlap=0";
-  settings["mapper.behind_surface_m"] = {{}, "0.1"};  // farther behind, two laps leave nothing unmeasured
+  // Two laps leave nothing unmeasured behind the block.
+  settings["mapper.behind_surface_m"] = {
+      {}, "", "SeAtlasMap.BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls"};
   settings["mapper.reentry"] = {{no_overlap}};
   settings["mapper.fusion_overlap"] = {{apart, stay}, "0"};
   settings["mapper.fusion_overlap_both"] = {{apart, stay}, "1"};
