@@ -45,11 +45,15 @@ std::vector<std::string> SubjectsOf(const std::string& command, const CLI::App& 
   return {};
 }
 
-/// "planner.gain=" for every parameter of an experiment.
+/// "planner.gain=" for every parameter of any experiment: each planner has its own.
 std::vector<std::string> Assignments() {
   std::vector<std::string> words;
-  for (const core::ParamRow& row : LoadExperiment(NamesOfKind("experiments").front(), {}).rows)
-    words.push_back(row.path + "=");
+  for (const std::string& experiment : NamesOfKind("experiments")) {
+    for (const core::ParamRow& row : LoadExperiment(experiment, {}).rows) {
+      const std::string word = row.path + "=";
+      if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+    }
+  }
   return words;
 }
 
