@@ -9,6 +9,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/geometry.h"
 #include "core/sensor_events.h"
@@ -29,6 +32,18 @@ class PoseSource {
   virtual uint64_t version() const = 0;
   /// The youngest keyframe. @pre there is one.
   virtual KeyframeId latest() const = 0;
+
+  /// How sure it is where the one lies to the other: the greatest standard deviation of the translation of
+  /// T_a_b, m (thesis 4.9, Eq. 4.13). Nothing where that is not known: odometry alone, which nobody corrects.
+  /// @pre both exist.
+  virtual std::optional<double> RelativeSigmaM(KeyframeId a, KeyframeId b) const {
+    return a == b ? std::optional(0.0) : std::nullopt;
+  }
+  /// Keyframes that were recognised as one place, each older one first. Changes with version() alone.
+  virtual const std::vector<std::pair<KeyframeId, KeyframeId>>& Loops() const {
+    static const std::vector<std::pair<KeyframeId, KeyframeId>> kNone;
+    return kNone;
+  }
 };
 
 /// A place, kept relative to a keyframe.

@@ -25,12 +25,13 @@ void LocomotionParams::Visit(core::ParamVisitor& v) {
 }
 
 void OdometryParams::Visit(core::ParamVisitor& v) {
-  v.Field(
-      "name", &name,
-      {.choices = {"truth", "legs", "drift"},
-       .doc = "truth: no error; legs: legs and IMU, roll, pitch and height right; drift: all six wander"});
+  v.Field("name", &name,
+          {.choices = {"truth", "legs", "drift", "lidar"},
+           .doc = "truth: no error; legs: legs and IMU, roll, pitch and height right; drift: all six wander; "
+                  "lidar: scans matched to those before, from legs and IMU with the errors prior_*"});
   core::AbsentFields absent(&v, "odometry.name = " + name);
-  core::ParamVisitor &none = absent, &legs = name == "legs" ? v : none, &wander = name == "drift" ? v : none;
+  core::ParamVisitor &none = absent, &legs = name == "legs" ? v : none, &wander = name == "drift" ? v : none,
+                     &prior = name == "lidar" ? v : none;
   wander.Field(
       "drift_scale", &drift_scale,
       {.min = 0.0,
@@ -48,6 +49,20 @@ void OdometryParams::Visit(core::ParamVisitor& v) {
               .min = 0.0,
               .max = 5.0,
               .doc = "heading drift after one metre (standard deviation; random walk)"});
+  prior.Field("prior_bias", &prior_bias,
+              {.min = -0.2, .max = 0.2, .doc = "legs tell each way as longer by this share"});
+  prior.Field("prior_bias_deg_per_m", &prior_bias_deg_per_m,
+              {.unit = "deg", .min = -5.0, .max = 5.0, .doc = "and turn by so much a metre"});
+  prior.Field("prior_xy_per_m", &prior_xy_per_m,
+              {.unit = "m",
+               .min = 0.0,
+               .max = 0.2,
+               .doc = "position error beside, after one metre (standard deviation; random walk)"});
+  prior.Field("prior_yaw_deg_per_m", &prior_yaw_deg_per_m,
+              {.unit = "deg",
+               .min = 0.0,
+               .max = 5.0,
+               .doc = "heading error beside, after one metre (standard deviation; random walk)"});
   v.Field(
       "velocity_sigma_mps", &velocity_sigma_mps,
       {.unit = "m/s", .min = 0.0, .max = 0.2, .doc = "noise on the base velocity that the gait balances on"});

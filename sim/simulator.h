@@ -30,11 +30,15 @@ struct LocomotionParams {
 };
 
 struct OdometryParams {
-  std::string name = "legs";      ///< truth | legs | drift
+  std::string name = "legs";      ///< truth | legs | drift | lidar (scan matching; here its prior)
   double drift_xy_per_m = 0.003;  ///< legs: random walk, standard deviation a metre walked
   double drift_yaw_deg_per_m = 0.02;
-  double drift_scale = 1.0;          ///< drift: times 2 cm and 0.1 degrees an axis every 2 m, 1 m after 100 m
-  double drift_bias = 0.0;           ///< drift: mean error in one direction, as a share of those
+  double drift_scale = 1.0;  ///< drift: times 2 cm and 0.1 degrees an axis every 2 m, 1 m after 100 m
+  double drift_bias = 0.0;   ///< drift: mean error in one direction, as a share of those
+  double prior_bias = 0.01;  ///< lidar: legs tell each way as longer by this share
+  double prior_bias_deg_per_m = 0.1;  ///< lidar: and turn by so much
+  double prior_xy_per_m = 0.02;       ///< lidar: random walk beside, standard deviation a metre walked
+  double prior_yaw_deg_per_m = 0.2;
   double velocity_sigma_mps = 0.02;  ///< noise on the base velocity that the gait balances on
   double attitude_sigma_deg = 0.2;
   void Visit(core::ParamVisitor& v);

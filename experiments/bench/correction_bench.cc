@@ -47,7 +47,11 @@ GrowingGraph MakeGraph(const CorrectionBench& bench) {
 }
 
 std::shared_ptr<const mapping::GraphPoses> PosesOf(const mapping::PoseGraphSlam& slam) {
-  return std::make_shared<const mapping::GraphPoses>(slam.T_map_node(), slam.version());
+  auto solved = std::make_shared<const mapping::SolvedGraph>(
+      std::make_shared<const mapping::PoseGraph>(slam.InlierGraph()));
+  return std::make_shared<const mapping::GraphPoses>(
+      slam.T_map_node(), slam.version(), std::move(solved),
+      std::vector<mapping::NodeStep>(slam.T_map_node().size()));
 }
 
 /// A scan a submap, each at a node of its own.

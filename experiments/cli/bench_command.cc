@@ -8,6 +8,8 @@
 #include "experiments/bench/correction_bench.h"
 #include "experiments/bench/mapper_bench.h"
 #include "experiments/bench/motion_bench.h"
+#include "experiments/bench/odometry_bench.h"
+#include "experiments/bench/places_bench.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/progress_line.h"
 #include "mapping/integrator/simd_target.h"
@@ -91,9 +93,50 @@ int BenchCorrection(const BenchArguments& arguments, const std::filesystem::path
   return 0;
 }
 
+/// Scenes of the SLAM benches, each with the LiDAR that its experiments carry.
+std::vector<std::pair<std::string, std::string>> SlamScenes(const BenchArguments& arguments) {
+  if (arguments.scene.empty()) return {{"rooms_small", "os0_64"}, {"campus", "os1_64"}};
+  return {{arguments.scene, arguments.scene == "rooms_small" ? "os0_64" : "os1_64"}};
+}
+
+int BenchOdometry(const BenchArguments& arguments, const std::filesystem::path& folder) {
+  std::vector<OdometryCase> cases;
+  ProgressLine line;
+  for (const auto& [scene, lidar] : SlamScenes(arguments)) {
+    for (const bool with_prior : {true, false}) {
+      cases.push_back(
+          RunOdometryCase(scene, lidar, with_prior, arguments.scans, arguments.threads, [&](double share) {
+            line.Show(fmt::format("{}, prior {}: {:3.0f} %", scene, with_prior ? "on" : "off", 100.0 * share),
+                      false);
+          }));
+      WriteOdometryBench(folder, cases);
+    }
+  }
+  line.Show("measured", true);
+  std::cout << OdometryTable(cases) << "\ntables: " << folder.string() << "\n";
+  return 0;
+}
+
+int BenchPlaces(const BenchArguments& arguments, const std::filesystem::path& folder) {
+  std::vector<PlacesCase> cases;
+  ProgressLine line;
+  for (const auto& [scene, lidar] : SlamScenes(arguments)) {
+    cases.push_back(RunPlacesCase(scene, lidar, arguments.threads, [&](double share) {
+      line.Show(fmt::format("{}: {:3.0f} %", scene, 100.0 * share), false);
+    }));
+    WritePlacesBench(folder, cases);
+  }
+  line.Show("measured", true);
+  std::cout << PlacesTable(cases) << "\ntables and curves: " << folder.string() << "\n";
+  return 0;
+}
+
 using Bench = int (*)(const BenchArguments&, const std::filesystem::path&);
-const std::vector<std::pair<std::string, Bench>> kBenches = {
-    {"mapper", BenchMapper}, {"motion", BenchMotion}, {"correction", BenchCorrection}};
+const std::vector<std::pair<std::string, Bench>> kBenches = {{"mapper", BenchMapper},
+                                                             {"motion", BenchMotion},
+                                                             {"correction", BenchCorrection},
+                                                             {"odometry", BenchOdometry},
+                                                             {"places", BenchPlaces}};
 
 }  // namespace
 

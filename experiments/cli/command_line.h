@@ -15,8 +15,8 @@ using Action = std::function<int()>;
 /// Each adds commands whose parsing sets `action`. `threads` is the default of their --threads.
 void AddRunCommands(CLI::App* app, int threads, Action* action);    // run, render, explain, list
 void AddSweepCommands(CLI::App* app, int threads, Action* action);  // sweep, report, record, bench
-void AddMapCommands(CLI::App* app, int threads, Action* action);    // map, mesh, eval, export, posegraph
-void AddShellCommands(CLI::App* app, Action* action);               // completion, help
+void AddMapCommands(CLI::App* app, int threads, Action* action);  // map, slam, mesh, eval, export, posegraph
+void AddShellCommands(CLI::App* app, Action* action);             // completion, help
 
 /// Accepts numbers from `least` to `most`; not NaN, which is neither below nor above.
 CLI::Validator Between(double least, double most);

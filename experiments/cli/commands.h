@@ -91,11 +91,11 @@ int ExplainCommand(const ExplainArguments& arguments);
 std::string ExplainText(const std::vector<core::ParamRow>& rows, const std::vector<std::string>& prefixes);
 
 struct BenchArguments {
-  std::string what;   ///< lidar | mapper | motion | correction
+  std::string what;   ///< lidar | mapper | motion | correction | odometry | places
   std::string scene;  ///< only this one
   std::optional<double> range_m,
       resolution_m;  ///< mapper: with a scene, one setting instead of the standard ones
-  int scans = 0;     ///< mapper: of the route; 0: all
+  int scans = 0;     ///< mapper, odometry: of the route; 0: all
   int threads = 1;
   std::string simd;  ///< mapper: the widest instructions that may be used
   bool octomap = true;

@@ -11,6 +11,7 @@
 #include "experiments/cli/progress_bar.h"
 #include "experiments/judge/surface_score.h"
 #include "experiments/report/text_table.h"
+#include "mapping/atlas/saved_atlas.h"
 #include "mapping/io/map_file.h"
 #include "mapping/io/recorded_cloud.h"
 #include "mapping/meshing/marching_cubes.h"
@@ -45,6 +46,19 @@ Subject OfMesh(const core::TriMesh& mesh, const EvalArguments& arguments) {
   return subject;
 }
 
+Subject OfAtlas(const EvalArguments& arguments) {
+  const mapping::SavedAtlas atlas = mapping::LoadAtlas(arguments.subject);
+  if (arguments.points == "voxels") {
+    Subject subject{mapping::SurfaceVoxels(atlas).points, ""};
+    subject.what =
+        fmt::format("{} surface voxels of {} submaps", subject.points.size(), atlas.submaps.size());
+    return subject;
+  }
+  mapping::MeshOptions options;
+  options.threads = arguments.threads;
+  return OfMesh(mapping::ExtractMesh(atlas, options), arguments);
+}
+
 Subject OfMap(const EvalArguments& arguments) {
   const mapping::AnyOctree map = mapping::ReadMap(arguments.subject);
   if (arguments.points == "voxels") {
@@ -74,7 +88,9 @@ bool IsMesh(const fs::path& path) {
 
 Subject LoadSubject(const EvalArguments& arguments) {
   Subject subject;
-  if (mapping::IsMapFile(arguments.subject) || arguments.subject.extension() == ".atlas") {
+  if (mapping::IsAtlasFolder(arguments.subject)) {
+    subject = OfAtlas(arguments);
+  } else if (mapping::IsMapFile(arguments.subject) || arguments.subject.extension() == ".atlas") {
     subject = OfMap(arguments);
   } else if (IsMesh(arguments.subject)) {
     try {

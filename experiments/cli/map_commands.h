@@ -1,5 +1,5 @@
-// `atlas map`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR. `atlas posegraph`: the back
-// end alone.
+// `atlas map`, `slam`, `mesh`, `eval` and `export`: the mapper alone, on recorded LiDAR. `atlas posegraph`:
+// the back end alone.
 #pragma once
 
 #include <filesystem>
@@ -28,6 +28,20 @@ struct MapArguments {
 int MapCommand(const MapArguments& arguments);
 /// Every parameter of the mapper as `atlas map` would run it. @throws InputError for a bad assignment.
 std::vector<core::ParamRow> ExplainMap(const MapArguments& arguments);
+
+struct SlamArguments {
+  mapping::RecordedLogOptions log;
+  std::filesystem::path odometry;  ///< TUM: the user's own; empty: none
+  std::string no_return = "dropout";
+  double resolution_m = 0.1;
+  double max_range_m = 60.0;
+  size_t limit = 0;  ///< the first so many scans; 0: all
+  int threads = 2;
+  std::vector<std::string> assignments;
+  std::filesystem::path out;  ///< empty: runs/slam/NAME
+};
+/// Maps a log that has no poses.
+int SlamCommand(const SlamArguments& arguments);
 
 struct MeshArguments {
   std::filesystem::path map, out;

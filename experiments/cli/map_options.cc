@@ -52,11 +52,47 @@ void AddMap(CLI::App* app, int threads, Action* action) {
   map->callback([=] { *action = [=] { return MapCommand(*a); }; });
 }
 
+void AddSlam(CLI::App* app, int threads, Action* action) {
+  const auto a = std::make_shared<SlamArguments>();
+  a->threads = threads;
+  CLI::App* slam = app->add_subcommand(
+      "slam", "Map recorded LiDAR without poses: odometry, loops, atlas; writes trajectory, graph, mesh");
+  slam->add_option("--scans", a->log.scans,
+                   "folder of clouds (PCD, PLY, KITTI .bin), 'DIR/part*.pcd', ROS 1 FILE.bag[:/topic] or a "
+                   "data set of atlas record; poses beside them are not read")
+      ->required();
+  slam->add_option(
+      "--odometry", a->odometry,
+      "TUM file: the user's own odometry, on which scans are matched (default: from scans alone)");
+  slam->add_option("--calib", a->log.calibration, "the LiDAR in the frame of --odometry");
+  slam->add_option(
+      "--lidar", a->log.lidar,
+      "beams of organised clouds: auto, estimate, none, vlp16, os1_64, os0_64 or Ouster FILE.json");
+  slam->add_option("--no-return", a->no_return,
+                   "points without return: void (free space) or dropout (nothing)")
+      ->check(OneOf("points without return", {"void", "dropout"}));
+  slam->add_option("--max-dt", a->log.max_dt_s, "s: a scan meets odometry so near to its times")
+      ->check(Between(0.0, 10.0));
+  slam->add_option("--min-range", a->log.min_range_m, "m: nearer returns carry no information")
+      ->check(Between(0.0, 20.0));
+  slam->add_option("--resolution", a->resolution_m, "m: edge of the smallest voxel")
+      ->check(Between(0.005, 2.0));
+  slam->add_option("--max-range", a->max_range_m, "m: longer returns are free space up to here")
+      ->check(Between(1.0, 500.0));
+  slam->add_option("--limit", a->limit, "only the first so many scans (0: all)")
+      ->check(Between(0, 100000000));
+  slam->add_option("--set", a->assignments, "lidar_odometry.key=value, slam.key=value, mapper.key=value")
+      ->take_all();
+  AddOut(slam, &a->out, "folder (default runs/slam/NAME)");
+  AddThreads(slam, &a->threads);
+  slam->callback([=] { *action = [=] { return SlamCommand(*a); }; });
+}
+
 void AddMesh(CLI::App* app, int threads, Action* action) {
   const auto a = std::make_shared<MeshArguments>();
   a->threads = threads;
   CLI::App* mesh = app->add_subcommand("mesh", "Surface of a map as a PLY mesh");
-  mesh->add_option("map", a->map, "map.atlas")->required();
+  mesh->add_option("map", a->map, "map.atlas, or the folder of an atlas")->required();
   AddOut(mesh, &a->out, "FILE.ply (default: mesh.ply beside the map)");
   mesh->add_option("--min-component", a->min_component_m2,
                    "m2: connected pieces smaller than this are left out")
@@ -70,7 +106,8 @@ void AddEval(CLI::App* app, int threads, Action* action) {
   a->threads = threads;
   CLI::App* eval = app->add_subcommand(
       "eval", "Accuracy, completeness and coverage of a map, mesh or cloud, as is and aligned");
-  eval->add_option("subject", a->subject, "map.atlas, mesh PLY or cloud (PLY, PCD, .bin)")->required();
+  eval->add_option("subject", a->subject, "map.atlas, folder of an atlas, mesh PLY or cloud (PLY, PCD, .bin)")
+      ->required();
   eval->add_option("--truth", a->truth, "cloud of the true surface (PLY, PCD, .bin)")->required();
   eval->add_option("--radius", a->radii_m, "m: of coverage; several (default 0.043 0.086)")
       ->check(Between(0.001, 10.0));
@@ -88,7 +125,7 @@ void AddExport(CLI::App* app, Action* action) {
   const auto a = std::make_shared<ExportArguments>();
   CLI::App* command =
       app->add_subcommand("export", "A map as OctoMap .bt or .ot, or its surface voxels as PLY");
-  command->add_option("map", a->map, "map.atlas")->required();
+  command->add_option("map", a->map, "map.atlas, or the folder of an atlas")->required();
   AddOut(command, &a->out, "FILE.bt, FILE.ot or FILE.ply")->required();
   command->callback([=] { *action = [=] { return ExportCommand(*a); }; });
 }
@@ -111,6 +148,7 @@ void AddPoseGraph(CLI::App* app, Action* action) {
 
 void AddMapCommands(CLI::App* app, int threads, Action* action) {
   AddMap(app, threads, action);
+  AddSlam(app, threads, action);
   AddMesh(app, threads, action);
   AddEval(app, threads, action);
   AddExport(app, action);

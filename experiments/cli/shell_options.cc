@@ -39,17 +39,21 @@ std::vector<std::string> SubjectsOf(const std::string& command, const CLI::App& 
   if (command == "sweep") return NamesOfKind("sweeps");
   if (command == "record" || command == "render" || command == "check") return NamesOfKind("scenes");
   if (command == "list") return ListKinds();
-  if (command == "bench") return {"lidar", "mapper", "motion", "correction"};
+  if (command == "bench") return {"lidar", "mapper", "motion", "correction", "odometry", "places"};
   if (command == "completion") return {"bash"};
   if (command == "help") return CommandsOf(app);
   return {};
 }
 
-/// "planner.gain=" for every parameter of an experiment.
+/// "planner.gain=" for every parameter of any experiment: each planner has its own.
 std::vector<std::string> Assignments() {
   std::vector<std::string> words;
-  for (const core::ParamRow& row : LoadExperiment(NamesOfKind("experiments").front(), {}).rows)
-    words.push_back(row.path + "=");
+  for (const std::string& experiment : NamesOfKind("experiments")) {
+    for (const core::ParamRow& row : LoadExperiment(experiment, {}).rows) {
+      const std::string word = row.path + "=";
+      if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+    }
+  }
   return words;
 }
 

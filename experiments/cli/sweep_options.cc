@@ -36,14 +36,16 @@ void AddBench(CLI::App* app, Action* action) {
   CLI::App* bench = app->add_subcommand(
       "bench",
       "Measure a part: lidar (rays a second beside bare Embree), mapper (SE-Atlas beside OctoMap), "
-      "motion (maps with per-ray poses off and on)");
-  bench->add_option("what", a->what, "lidar, mapper, motion or correction")->required();
+      "motion (maps with per-ray poses off and on), correction (from a loop to the corrected map), "
+      "odometry (drift of LiDAR odometry), places (precision and recall of loop detection)");
+  bench->add_option("what", a->what, "lidar, mapper, motion, correction, odometry or places")->required();
   bench->add_option("--scene", a->scene, "only this scene");
   bench->add_option("--range", a->range_m, "mapper: metres (with --scene)")->check(Between(1.0, 200.0));
   bench->add_option("--resolution", a->resolution_m, "mapper: metres (with --scene)")
       ->check(Between(0.01, 2.0));
-  bench->add_option("--scans", a->scans, "mapper: of the route (0: all)")->check(Between(0, 100000));
-  bench->add_option("--threads", a->threads, "of SE-Atlas")->check(Between(1, 64));
+  bench->add_option("--scans", a->scans, "mapper, odometry: of the route (0: all)")
+      ->check(Between(0, 100000));
+  bench->add_option("--threads", a->threads, "of SE-Atlas, of loop checks")->check(Between(1, 64));
   bench->add_option("--simd", a->simd, "mapper: the widest instructions that may be used (default: any)")
       ->check(OneOf("instructions", {"scalar", "sse4", "avx2", "avx512"}));
   bench->add_flag_callback(

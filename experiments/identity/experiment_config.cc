@@ -69,6 +69,7 @@ void ExperimentConfig::Visit(core::ParamVisitor& v) {
   v.Section("robot", &robot);
   v.Section("locomotion", &sim.locomotion);
   v.Section("odometry", &sim.odometry);
+  localisation.lidar = sim.odometry.name == "lidar";
   v.Section("localisation", &localisation);
   v.Section("sensors", &sim.sensors);
   v.Section("mapper", &mapper);

@@ -16,6 +16,11 @@ std::string OdometryLabel(const sim::OdometryParams& odometry) {
     return fmt::format("drift, {:g} x (2 cm 0.1 deg after 2 m), bias {:g}", odometry.drift_scale,
                        odometry.drift_bias);
   }
+  if (odometry.name == "lidar") {
+    return fmt::format("LiDAR, prior {:g} % {:g} deg/m, {:g} mm {:g} deg after 1 m",
+                       100.0 * odometry.prior_bias, odometry.prior_bias_deg_per_m,
+                       1e3 * odometry.prior_xy_per_m, odometry.prior_yaw_deg_per_m);
+  }
   return fmt::format("random walk, {:g} mm {:g} deg after 1 m; height, roll and pitch true",
                      1e3 * odometry.drift_xy_per_m, odometry.drift_yaw_deg_per_m);
 }

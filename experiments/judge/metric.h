@@ -12,6 +12,7 @@
 #include "experiments/judge/place_errors.h"
 #include "experiments/judge/room_scores.h"
 #include "experiments/judge/scan_times.h"
+#include "mapping/slam/localiser.h"
 #include "planner/decision.h"
 #include "sim/simulator.h"
 
@@ -42,6 +43,7 @@ struct JudgedRun {
   CloudScore score;
   std::optional<TrajectoryErrors> trajectory = {};
   size_t submaps = 1;
+  std::optional<mapping::OdometryHealth> odometry = {};
   std::optional<RoomScores> rooms = {};  ///< of a scene that tells its rooms and a map that has submaps
   std::optional<double> planned_m = {};  ///< length of the way that mission.plan_after found
 };

@@ -217,6 +217,7 @@ void MissionMetrics::Summarise(double sim_time_s, double distance_m, double wall
                       .score = score_,
                       .trajectory = poses_ ? places_.Errors(*poses_) : std::nullopt,
                       .submaps = score_.submaps,
+                      .odometry = odometry_,
                       .rooms = ScoreRooms(scene_, places_.places(), score_.submap_members),
                       .planned_m = planned_m_};
   core::Row measured;

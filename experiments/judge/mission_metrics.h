@@ -46,6 +46,7 @@ class MissionMetrics {
   /// Where the localiser placed a revolution, with the truth of the moment.
   void ObservePlace(const core::Anchor& base, const core::Pose& T_map_base,
                     std::shared_ptr<const core::PoseSource> poses);
+  void ObserveOdometry(const std::optional<mapping::OdometryHealth>& odometry) { odometry_ = odometry; }
 
   /// After each revolution that the map has taken.
   void ObserveMapped(const mapping::Map& map, core::KeyframeId keyframe) { series_.Observe(map, keyframe); }
@@ -102,6 +103,7 @@ class MissionMetrics {
   MapSeries series_;
   std::optional<double> planned_m_;
   std::shared_ptr<const core::PoseSource> poses_;  ///< the latest
+  std::optional<mapping::OdometryHealth> odometry_;
   int scans_begun_ = 0, scans_finished_ = 0;
   double distance_m_ = 0.0;
   std::optional<double> attainable_share_;

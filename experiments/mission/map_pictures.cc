@@ -21,7 +21,7 @@ AtlasDrawing DrawingOf(const Mission& mission, const mapping::MapView& view) {
   AtlasDrawing drawing;
   drawing.map = &view;
   drawing.box_map = mission.scene.object_box;
-  drawing.loops = mission.localiser->loops();
+  drawing.loops = mission.localiser->poses()->Loops();
   const auto poses = mission.localiser->poses();
   std::map<core::KeyframeId, uint32_t> submap_of;
   for (const mapping::SubmapMembers& members : mission.map->Submaps()) {

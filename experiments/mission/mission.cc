@@ -90,6 +90,7 @@ SensorFeed::Listeners Mission::Listeners() {
               [this](const core::AnchoredSpin& placed) {
                 metrics.ObservePlace({placed.keyframe, placed.T_keyframe_odom * simulator->T_odom_base()},
                                      T_map_base(), localiser->poses());
+                metrics.ObserveOdometry(localiser->odometry_health());
               },
           .on_cloud =
               [this](const mapping::ReturnCloud& returns, core::KeyframeId keyframe,

@@ -1,5 +1,7 @@
 #include "experiments/mission/run_localiser.h"
 
+#include "mapping/slam/lidar_front_end.h"
+
 namespace atlas::experiments {
 
 mapping::LocaliserStart LocaliserStartFor(const ExperimentConfig& config, const scenes::SceneSpec& scene,
@@ -19,8 +21,10 @@ std::unique_ptr<mapping::Localiser> MakeLocaliserFor(const ExperimentConfig& con
                                                      const scenes::SceneSpec& scene,
                                                      const sim::Simulator& simulator, int threads,
                                                      const core::Rng& rng) {
-  return mapping::MakeLocaliser(config.localisation, LocaliserStartFor(config, scene, simulator, threads),
-                                rng);
+  const mapping::LocaliserStart start = LocaliserStartFor(config, scene, simulator, threads);
+  const bool matched = config.localisation.lidar && config.localisation.name != "truth";
+  return matched ? mapping::PutLidarOdometryBefore(config.localisation, start, rng)
+                 : mapping::MakeLocaliser(config.localisation, start, rng);
 }
 
 }  // namespace atlas::experiments

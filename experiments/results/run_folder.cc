@@ -10,6 +10,7 @@
 #include "core/named_files.h"
 #include "experiments/results/map_slice.h"
 #include "experiments/results/run_summary.h"
+#include "mapping/atlas/saved_atlas.h"
 #include "robots/robot_files.h"
 #include "robots/robot_spec.h"
 #include "scenes/catalog.h"
@@ -112,8 +113,7 @@ void RemoveAtlas(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(atlas, error)) {
     const std::string name = entry.path().filename().string();
-    const bool submap = name.starts_with("submap_") && name.ends_with(".atlas");
-    if (submap || name == "submaps.csv") files.push_back(entry.path());
+    if (mapping::IsAtlasFile(name)) files.push_back(entry.path());
   }
   for (const fs::path& file : files) Remove(file);
   RemoveIfEmpty(atlas);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "mapping/cloud/undistort.h"
 #include "mapping/integrator/occupancy_states.h"
@@ -31,34 +32,34 @@ std::vector<Vec3f> PointsOf(const UndistortedSpin& rays) {
 
 }  // namespace
 
-void AtlasParams::Visit(core::ParamVisitor& v) {
-  v.Field("lambda_odom_m", &lambda_odom_m,
-          {.unit = "m",
-           .min = 1.0,
-           .max = 1e6,
-           .doc = "a submap ends this far along the keyframes from its root (thesis 4.7.1)"});
-  v.Field("cloud_overlap", &cloud_overlap,
-          {.min = 0.0,
-           .max = 1.0,
-           .doc = "a submap ends where less of a keyframe's cloud overlaps its own (thesis 4.7.3)"});
-  v.Field("cloud_filter_m", &cloud_filter_m,
-          {.unit = "m", .min = 0.02, .max = 2.0, .doc = "r_filter of cloud overlap (thesis Alg. 1)"});
-}
+/// As its first revolution saw the place.
+struct Atlas::NewKeyframe {
+  KeyframeId id;
+  Vec3 place_map;  ///< of the sensor
+  std::vector<Vec3f> cloud_map;
+};
 
-Atlas::Atlas(const AtlasParams& params, const AtlasSetup& setup) : params_(params), setup_(setup) {}
+Atlas::Atlas(const AtlasParams& params, const AtlasSetup& setup)
+    : params_(params),
+      setup_(setup),
+      pager_(std::make_shared<ContentsPager>(static_cast<size_t>(1e6 * params.memory_limit_mb))),
+      search_(params) {}
 Atlas::~Atlas() = default;
 
-OctreeContents Atlas::Empty() const {
+PagedContents Atlas::Empty() const {
   OctreeContents contents{OccupancyOctree(setup_.resolution_m), {}};
   if (setup_.map.behind_surface) contents.behind.emplace(setup_.resolution_m, setup_.behind_surface_m);
-  return contents;
+  return {pager_, std::move(contents)};
 }
 
-void Atlas::Spawn(KeyframeId root, const core::PoseSource& poses) {
-  const auto id = static_cast<uint32_t>(submaps_.size());
-  active_ = submaps_.emplace_back(std::make_unique<Submap>(id, root, Empty(), params_.cloud_filter_m)).get();
-  active_->T_map_submap = poses.T_map_keyframe(root);
-  travelled_m_ = 0.0;
+Submap* Atlas::Spawn(KeyframeId root, const core::PoseSource& poses) {
+  submaps_.push_back(std::make_unique<Submap>(next_id_++, root, Empty(), params_.cloud_filter_m));
+  submaps_.back()->T_map_submap = poses.T_map_keyframe(root);
+  return submaps_.back().get();
+}
+
+void Atlas::Activate(Submap* submap) {
+  active_ = submap;
   IntegratorParams integrator = setup_.integrator;
   if (setup_.map.keep_map) {
     integrator.region_map =
@@ -67,69 +68,109 @@ void Atlas::Spawn(KeyframeId root, const core::PoseSource& poses) {
   integrator_ = MakeIntegrator<OccupancyField>(integrator, setup_.map.lidar);
 }
 
+Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core::PoseSource& poses) const {
+  if (!params_.reentry || params_.cloud_overlap == 0.0) return nullptr;
+  std::vector<std::pair<double, Submap*>> fitting;
+  for (const auto& submap : submaps_) {
+    if (submap.get() == active_ && !active_too) continue;
+    if (!submap->Outline()->bounds.Contains(submap->T_map_submap.inverse() * keyframe.place_map)) continue;
+    const double share = submap->BestCloud(keyframe.cloud_map).share;
+    if (share >= params_.cloud_overlap) fitting.emplace_back(share, submap.get());
+  }
+  std::stable_sort(fitting.begin(), fitting.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [share, submap] : fitting) {
+    if (search_.SureEnough(submap->root, keyframe.id, poses)) return submap;
+  }
+  return nullptr;
+}
+
 void Atlas::Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses) {
   const Pose T_map_odom = spin.T_map_odom(poses);
-  const Vec3 place_map = T_map_odom * spin.spin->T_odom_lidar.poses().front().T.translation();
   UndistortHits(*spin.spin, T_map_odom, &rays_);
-  const std::vector<Vec3f> cloud_map = FilterCloud(PointsOf(rays_), params_.cloud_filter_m);
-  const auto cloud_in = [&](const Submap& submap) {
-    const Eigen::Isometry3f T_submap_map = submap.T_map_submap.inverse().cast<float>();
-    std::vector<Vec3f> cloud;
-    for (const Vec3f& p : cloud_map) cloud.push_back(T_submap_map * p);
-    return cloud;
-  };
-  if (keyframe_) travelled_m_ += (place_map - latest_place_.p_map(poses)).norm();
-  const double overlap = active_ != nullptr ? active_->cloud.ShareNear(cloud_in(*active_)) : 0.0;
-  const bool fits =
-      active_ != nullptr && travelled_m_ <= params_.lambda_odom_m && overlap >= params_.cloud_overlap;
-  if (!fits) {
-    Spawn(spin.keyframe, poses);
-    active_->overlap = overlap;
+  const NewKeyframe keyframe{spin.keyframe,
+                             T_map_odom * spin.spin->T_odom_lidar.poses().front().T.translation(),
+                             FilterCloud(PointsOf(rays_), params_.cloud_filter_m)};
+  if (keyframe_) travelled_m_ += (keyframe.place_map - keyframe_->p_map(poses)).norm();
+  const double overlap = active_ != nullptr ? active_->BestCloud(keyframe.cloud_map).share : 0.0;
+  const bool near = travelled_m_ <= params_.lambda_odom_m, overlaps = overlap >= params_.cloud_overlap;
+  if (active_ == nullptr || !near || !overlaps) {
+    Submap* const left = active_;
+    Submap* next = Fitting(keyframe, /*active_too=*/!near, poses);
+    if (next == nullptr) {
+      next = Spawn(keyframe.id, poses);
+      next->overlap = overlap;
+    }
+    travelled_m_ = 0.0;
+    Activate(next);
+    if (left != nullptr && left != next) Fuse(poses, active_->id);
   }
-  active_->keyframes.push_back(spin.keyframe);
-  active_->cloud.Add(cloud_in(*active_));
-  keyframe_ = spin.keyframe;
-  latest_place_ = {spin.keyframe, poses.T_map_keyframe(spin.keyframe).inverse() * place_map};
+  keyframe_ = {keyframe.id, poses.T_map_keyframe(keyframe.id).inverse() * keyframe.place_map};
+  active_->keyframes.push_back({*keyframe_, poses.T_map_keyframe(keyframe.id)});
+  active_->AddToCloud(active_->BestCloud(keyframe.cloud_map).cloud, keyframe.cloud_map);
+}
+
+void Atlas::Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out) {
+  while (true) {
+    auto pair = search_.NextByLoop(submaps_, poses);
+    if (!pair) pair = search_.NextByOverlap(submaps_, poses, left_out);
+    if (!pair) return;
+    Submap *const older = submaps_[pair->first].get(), *const younger = submaps_[pair->second].get();
+    older->Absorb(younger);
+    if (active_ == younger) Activate(older);
+    submaps_.erase(submaps_.begin() + static_cast<std::ptrdiff_t>(pair->second));
+    pager_->Trim();
+  }
 }
 
 void Atlas::Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) {
   Correct(poses);
-  if (spin.keyframe != keyframe_) Assign(spin, poses);
+  if (!keyframe_ || spin.keyframe != keyframe_->keyframe) Assign(spin, poses);
   const Pose T_submap_odom = active_->T_map_submap.inverse() * spin.T_map_odom(poses);
-  OctreeContents& contents = active_->contents.Write();
-  integrator_->Integrate(*spin.spin, T_submap_odom, &contents.tree);
-  if (contents.behind) {
-    UndistortHits(*spin.spin, T_submap_odom, &rays_);
-    contents.behind->Mark(rays_, setup_.integrator.max_range_m);
+  {
+    const PagedContents::Writing contents = active_->contents.Write();
+    integrator_->Integrate(*spin.spin, T_submap_odom, &contents->tree);
+    if (contents->behind) {
+      UndistortHits(*spin.spin, T_submap_odom, &rays_);
+      contents->behind->Mark(rays_, setup_.integrator.max_range_m);
+    }
   }
-  active_->bounds_submap = BoundsOf(contents.tree);
+  ++active_->revision;
   active_->latest = ++revolutions_;
+  pager_->Trim();
 }
 
 void Atlas::Correct(const core::PoseSource& poses) {
-  for (const auto& submap : submaps_) submap->T_map_submap = poses.T_map_keyframe(submap->root);
+  for (const auto& submap : submaps_) submap->MoveTo(poses);
+  if (std::exchange(version_, poses.version()) != poses.version()) Fuse(poses, std::nullopt);
 }
 
-std::shared_ptr<const AtlasView> Atlas::Snapshot() const {
+std::vector<const Submap*> Atlas::ByPrecedence() const {
   std::vector<const Submap*> newest_first;
   for (const auto& submap : submaps_) newest_first.push_back(submap.get());
   std::sort(newest_first.begin(), newest_first.end(),
             [](const Submap* a, const Submap* b) { return a->latest > b->latest; });
+  return newest_first;
+}
+
+std::shared_ptr<const AtlasView> Atlas::Snapshot() const {
   std::vector<PosedSubmap> posed;
-  for (const Submap* submap : newest_first) {
-    posed.push_back({submap->id, OctreeView(submap->contents.Share(), StatesOf(setup_.integrator)),
-                     submap->T_map_submap, submap->bounds_submap});
+  for (const Submap* submap : ByPrecedence()) {
+    posed.push_back({submap->id, submap->contents.Share(), StatesOf(setup_.integrator), submap->T_map_submap,
+                     submap->Outline()});
   }
   return std::make_shared<const AtlasView>(setup_.resolution_m, std::move(posed),
                                            setup_.map.keep_map.value_or(Everywhere()));
 }
 
+SavedAtlas Atlas::Saved() const {
+  return ToSave(ByPrecedence(), setup_.resolution_m, StatesOf(setup_.integrator),
+                setup_.map.keep_map.value_or(Everywhere()));
+}
+
 size_t Atlas::Bytes() const {
   size_t bytes = 0;
-  for (const auto& submap : submaps_) {
-    const OctreeContents& contents = submap->contents.Read();
-    bytes += contents.tree.Bytes() + (contents.behind ? contents.behind->Bytes() : 0) + submap->cloud.Bytes();
-  }
+  for (const auto& submap : submaps_) bytes += submap->Bytes();
   return bytes;
 }
 

@@ -1,8 +1,10 @@
-// The Atlas: submaps, each rigid, on keyframes that move (thesis 4.7).
+// The Atlas: submaps, each rigid, on keyframes that move (thesis 4.7, 4.8).
 //
-//     keyframes   k0 ── k1 ── k2 ── k3 ── k4 ──    a revolution belongs to a keyframe,
-//                 └──────────┘    └──────────┘     a keyframe to a submap;
-//     submaps      S0 (root k0)    S1 (root k3)    a submap lies where its root does
+//     keyframes   k0 ── k1 ── k2 ── k3 ── k4 ── k5 ──    a revolution belongs to a keyframe,
+//                 └──────────┘    └──────────┘   │       a keyframe to a submap;
+//     submaps      S0 (root k0)    S1 (root k3)  │       a submap lies where its root does;
+//                  └─────────────────────────────┘       one that fits again is taken up again,
+//                                                        and two that measured the same become one
 //
 // A revolution goes straight into its keyframe's submap, once, where poses put it at that time: what the
 // submap holds is rigid from then on. A correction moves roots and touches no voxel.
@@ -15,6 +17,8 @@
 #include "core/keyframe.h"
 #include "mapping/atlas/atlas_params.h"
 #include "mapping/atlas/atlas_view.h"
+#include "mapping/atlas/fusion_search.h"
+#include "mapping/atlas/saved_atlas.h"
 #include "mapping/atlas/submap.h"
 #include "mapping/integrator/integrator.h"
 #include "mapping/map.h"
@@ -34,26 +38,42 @@ class Atlas {
   ~Atlas();
 
   void Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses);
+  /// Moves submaps to where their roots lie. Where poses have changed, submaps that overlap by now, and those
+  /// that now are sure enough of each other, become one.
   void Correct(const core::PoseSource& poses);
   std::shared_ptr<const AtlasView> Snapshot() const;
-  const std::vector<std::unique_ptr<Submap>>& submaps() const { return submaps_; }
+  const Submaps& submaps() const { return submaps_; }
+  /// What is to be saved, as of now.
+  SavedAtlas Saved() const;
+  /// In memory.
   size_t Bytes() const;
+  const ContentsPager& pager() const { return *pager_; }
 
  private:
-  /// Gives a new keyframe to the submap in use, or to a new one (thesis 4.7.1, 4.7.3).
+  std::vector<const Submap*> ByPrecedence() const;
+  struct NewKeyframe;
+  /// Gives a new keyframe to the submap in use, or to an older or a new one (thesis 4.7.1, 4.7.3).
   void Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses);
-  void Spawn(core::KeyframeId root, const core::PoseSource& poses);
-  OctreeContents Empty() const;
+  /// The submap that the keyframe overlaps most and is sure enough of; null where there is none.
+  Submap* Fitting(const NewKeyframe& keyframe, bool active_too, const core::PoseSource& poses) const;
+  Submap* Spawn(core::KeyframeId root, const core::PoseSource& poses);
+  void Activate(Submap* submap);
+  /// Until no two are left that should be one.
+  void Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out);
+  PagedContents Empty() const;
 
   AtlasParams params_;
   AtlasSetup setup_;
-  std::vector<std::unique_ptr<Submap>> submaps_;
+  std::shared_ptr<ContentsPager> pager_;
+  Submaps submaps_;
+  uint32_t next_id_ = 0;
+  FusionSearch search_;
   Submap* active_ = nullptr;
   std::unique_ptr<ScanIntegrator<OccupancyField>> integrator_;  ///< of the active submap
-  std::optional<core::KeyframeId> keyframe_;                    ///< of the latest revolution
-  core::AnchoredPoint latest_place_;                            ///< of the sensor at that keyframe's first
-  double travelled_m_ = 0.0;                                    ///< along keyframes, in the active submap
+  std::optional<core::AnchoredPoint> keyframe_;  ///< of the latest revolution; where the sensor was first
+  double travelled_m_ = 0.0;                     ///< along keyframes, since the active submap was taken up
   uint64_t revolutions_ = 0;
+  std::optional<uint64_t> version_;  ///< of the poses that submaps lie by
   UndistortedSpin rays_;
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/rng.h"
-#include "mapping/atlas/submap.h"
 #include "mapping/octree/voxel_ray.h"
 
 namespace atlas::mapping {
@@ -142,18 +141,29 @@ class AtlasView::PieceSink {
 AtlasView::AtlasView(double resolution_m, std::vector<PosedSubmap> submaps, const Box3& keep_map)
     : resolution_m_(resolution_m),
       submaps_(std::move(submaps)),
+      pins_(std::make_unique<Pin[]>(submaps_.size())),
       keep_map_(keep_map),
       nothing_(EmptyView(resolution_m)) {
   for (const PosedSubmap& submap : submaps_) {
     T_submap_map_.push_back(submap.T_map_submap.inverse());
-    index_.Add(submap.view.contents(), submap.T_map_submap);
+    index_.Add(*submap.outline, submap.T_map_submap);
   }
   index_.Build();
 }
 
-size_t AtlasView::FirstThatMeasured(const Vec3& p_map, CellState* state) const {
+const OctreeView& AtlasView::ViewOf(size_t submap) const {
+  Pin& pin = pins_[submap];
+  std::call_once(pin.once,
+                 [&] { pin.view.emplace(submaps_[submap].contents->Get(), submaps_[submap].states); });
+  return *pin.view;
+}
+
+template <typename Views>
+size_t AtlasView::FirstThatMeasured(const Vec3& p_map, const Views& view_of, CellState* state) const {
   for (const uint16_t i : index_.At(p_map)) {
-    if (const auto measured = submaps_[i].view.MeasuredStateAt(T_submap_map_[i] * p_map)) {
+    const Vec3 p_submap = T_submap_map_[i] * p_map;
+    if (!submaps_[i].outline->bounds.Contains(p_submap)) continue;
+    if (const auto measured = view_of(i).MeasuredStateAt(p_submap)) {
       *state = *measured;
       return i;
     }
@@ -161,15 +171,22 @@ size_t AtlasView::FirstThatMeasured(const Vec3& p_map, CellState* state) const {
   return submaps_.size();
 }
 
+size_t AtlasView::RightAbout(const Vec3& p_map) const {
+  CellState state;
+  return FirstThatMeasured(
+      p_map, [this](size_t i) -> const OctreeView& { return ViewOf(i); }, &state);
+}
+
 CellState AtlasView::StateAt(const Vec3& p_map) const {
   CellState state = CellState::kUnknown;
-  if (keep_map_.Contains(p_map)) FirstThatMeasured(p_map, &state);
+  if (keep_map_.Contains(p_map))
+    FirstThatMeasured(
+        p_map, [this](size_t i) -> const OctreeView& { return ViewOf(i); }, &state);
   return state;
 }
 
 uint32_t AtlasView::SubmapAt(const Vec3& p_map) const {
-  CellState state = CellState::kUnknown;
-  const size_t first = FirstThatMeasured(p_map, &state);
+  const size_t first = RightAbout(p_map);
   return first < submaps_.size() ? submaps_[first].id : 0;
 }
 
@@ -202,13 +219,12 @@ class AtlasView::Throughs {
   void Enter(size_t i) {
     const Pose& T = atlas_->T_submap_map_[i];
     LineSpan own{T * line_.origin, T.linear() * line_.direction, 1.0, 0.0};
-    if (const auto inside = atlas_->submaps_[i].bounds_submap.Clip(own.origin, own.direction)) {
+    if (const auto inside = atlas_->submaps_[i].outline->bounds.Clip(own.origin, own.direction)) {
       own.from_m = std::max({line_.from_m, kept_.first, inside->first});
       own.to_m = std::min({line_.to_m, kept_.second, inside->second});
     }
     if (own.from_m >= own.to_m) own.from_m = own.to_m = std::numeric_limits<double>::infinity();
-    submaps_[i].Begin(atlas_->submaps_[i].view, core::HashCounter(kKeySalt, atlas_->submaps_[i].id), own,
-                      limits_);
+    submaps_[i].Begin(atlas_->ViewOf(i), core::HashCounter(kKeySalt, atlas_->submaps_[i].id), own, limits_);
   }
 
   const AtlasView* atlas_ = nullptr;
@@ -280,18 +296,25 @@ RayEnd AtlasView::Trace(const Vec3& origin_map, const Vec3& direction_map, const
 }
 
 void AtlasView::ForEachOccupied(const Box3& box_map, const VisitCenter& visit) const {
+  // Lent for one submap's listing each: to list a map does not keep it in memory.
+  std::vector<std::optional<OctreeView>> lent(submaps_.size());
+  const auto view_of = [&](size_t i) -> const OctreeView& {
+    if (!lent[i]) lent[i].emplace(submaps_[i].contents->Get(), submaps_[i].states);
+    return *lent[i];
+  };
   for (size_t i = 0; i < submaps_.size(); ++i) {
     const Pose& T_map_submap = submaps_[i].T_map_submap;
-    const Box3 bounds_map = BoxAround(submaps_[i].bounds_submap, T_map_submap);
+    const Box3 bounds_map = BoxAround(submaps_[i].outline->bounds, T_map_submap);
     const Box3 both{box_map.min.cwiseMax(bounds_map.min), box_map.max.cwiseMin(bounds_map.max)};
     if (both.Empty()) continue;
     const Box3 box_submap = BoxAround(both, T_submap_map_[i]);
-    submaps_[i].view.ForEachOccupied(box_submap, [&](const core::Vec3f& center_submap) {
+    view_of(i).ForEachOccupied(box_submap, [&](const core::Vec3f& center_submap) {
       const Vec3 center_map = T_map_submap * center_submap.cast<double>();
       if (!box_map.Contains(center_map) || !keep_map_.Contains(center_map)) return;
       CellState state;
-      if (FirstThatMeasured(center_map, &state) == i) visit(center_map.cast<float>());
+      if (FirstThatMeasured(center_map, view_of, &state) == i) visit(center_map.cast<float>());
     });
+    for (auto& view : lent) view.reset();
   }
 }
 

@@ -10,10 +10,13 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "mapping/atlas/paged_contents.h"
 #include "mapping/atlas/submap_index.h"
 #include "mapping/map_view.h"
 #include "mapping/octree/octree_view.h"
@@ -23,9 +26,10 @@ namespace atlas::mapping {
 /// A submap at one moment.
 struct PosedSubmap {
   uint32_t id = 0;
-  OctreeView view;
+  std::shared_ptr<const StoredContents> contents;
+  StateLogOdds states;
   core::Pose T_map_submap = core::Pose::Identity();
-  core::Box3 bounds_submap;  ///< holds all that it has measured
+  std::shared_ptr<const SubmapOutline> outline;  ///< of the contents
 };
 
 class AtlasView final : public MapView {
@@ -43,6 +47,9 @@ class AtlasView final : public MapView {
   void ForEachOccupied(const core::Box3& box_map, const VisitCenter& visit) const override;
 
   const std::vector<PosedSubmap>& submaps() const { return submaps_; }
+  /// The place of the submap that is right about a point among submaps(); their number where none has
+  /// measured it.
+  size_t RightAbout(const core::Vec3& p_map) const;
 
  private:
   class RayThrough;
@@ -51,11 +58,20 @@ class AtlasView final : public MapView {
   /// Returns false where the ray ends.
   static bool CrossCell(std::span<const uint16_t> submaps, std::pair<double, double> span_m,
                         Throughs* throughs, PieceSink* met);
-  /// The submap that is right about a point; their number where none has measured it.
-  size_t FirstThatMeasured(const core::Vec3& p_map, CellState* state) const;
+  /// RightAbout, and as what it measured the point; `view_of(i)` is the i-th submap's own view.
+  template <typename Views>
+  size_t FirstThatMeasured(const core::Vec3& p_map, const Views& view_of, CellState* state) const;
+  const OctreeView& ViewOf(size_t submap) const;
+
+  /// Submaps that a ray or a point has asked for, in memory for as long as this view.
+  struct Pin {
+    std::once_flag once;
+    std::optional<OctreeView> view;
+  };
 
   double resolution_m_;
   std::vector<PosedSubmap> submaps_;
+  std::unique_ptr<Pin[]> pins_;
   std::vector<core::Pose> T_submap_map_;
   core::Box3 keep_map_;
   SubmapIndex index_;

@@ -57,6 +57,14 @@ bool OverlapCloud::HasNear(const Vec3f& p) const {
   return false;
 }
 
+std::vector<Vec3f> OverlapCloud::Points() const {
+  std::vector<std::pair<uint64_t, Vec3f>> order(cells_.begin(), cells_.end());
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Vec3f> points;
+  for (const auto& [cell, p] : order) points.push_back(p);
+  return points;
+}
+
 double OverlapCloud::ShareNear(std::span<const Vec3f> points) const {
   if (points.empty()) return 0.0;
   size_t near = 0;

@@ -21,6 +21,8 @@ class OverlapCloud {
   /// R_point,read: the share of `points` nearer than sqrt(3) r_filter to one that is kept; 0 for none.
   double ShareNear(std::span<const core::Vec3f> points) const;
   size_t size() const { return cells_.size(); }
+  /// All that are kept, by cell.
+  std::vector<core::Vec3f> Points() const;
   size_t Bytes() const {
     return cells_.size() * (sizeof(uint64_t) + sizeof(core::Vec3f) + 2 * sizeof(void*));
   }

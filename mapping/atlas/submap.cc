@@ -1,29 +1,76 @@
 #include "mapping/atlas/submap.h"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "mapping/atlas/submap_fusion.h"
+
 namespace atlas::mapping {
 
-using core::Box3;
-using core::Vec3;
+using core::Pose;
+using core::Vec3f;
 
-Box3 BoundsOf(const OccupancyOctree& tree) {
-  Box3 box;
-  const double side_m = kChunkSide * tree.resolution_m();
-  for (const OccupancyOctree::Chunk* chunk : tree.Chunks()) {
-    const Vec3 low = side_m * Vec3(chunk->key.x, chunk->key.y, chunk->key.z);
-    box.Extend(low);
-    box.Extend(low.array() + side_m);
-  }
-  return box;
+Submap::Submap(uint32_t number, core::KeyframeId root_keyframe, PagedContents empty, double filter_m)
+    : id(number), root(root_keyframe), contents(std::move(empty)) {
+  clouds.push_back({Pose::Identity(), OverlapCloud(filter_m)});
 }
 
-Box3 BoxAround(const Box3& box, const core::Pose& T) {
-  Box3 around;
-  if (box.Empty()) return around;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto side = [&](int axis) { return (corner >> axis & 1) != 0 ? box.max[axis] : box.min[axis]; };
-    around.Extend(T * Vec3(side(0), side(1), side(2)));
+void Submap::MoveTo(const core::PoseSource& poses) {
+  T_map_submap = poses.T_map_keyframe(root);
+  for (HeldKeyframe& held : keyframes) held.T_map_keyframe = poses.T_map_keyframe(held.sensor.keyframe);
+}
+
+std::shared_ptr<const SubmapOutline> Submap::Outline() const {
+  const std::lock_guard lock(outline_mutex_);
+  if (!outline_ || outlined_ != revision) {
+    outline_ = std::make_shared<const SubmapOutline>(OutlineOf(*contents.Read()));
+    outlined_ = revision;
   }
-  return around;
+  return outline_;
+}
+
+std::vector<Vec3f> Submap::InCloud(size_t cloud, const std::vector<Vec3f>& cloud_map) const {
+  const Eigen::Isometry3f T_cloud_map = (T_map_submap * clouds[cloud].T_submap_cloud).inverse().cast<float>();
+  std::vector<Vec3f> points;
+  points.reserve(cloud_map.size());
+  for (const Vec3f& p : cloud_map) points.push_back(T_cloud_map * p);
+  return points;
+}
+
+Submap::CloudMatch Submap::BestCloud(const std::vector<Vec3f>& cloud_map) const {
+  CloudMatch best;
+  for (size_t cloud = 0; cloud < clouds.size(); ++cloud) {
+    const double share = clouds[cloud].points.ShareNear(InCloud(cloud, cloud_map));
+    if (share > best.share) best = {share, cloud};
+  }
+  return best;
+}
+
+void Submap::AddToCloud(size_t cloud, const std::vector<Vec3f>& cloud_map) {
+  clouds[cloud].points.Add(InCloud(cloud, cloud_map));
+}
+
+void Submap::Absorb(Submap* other) {
+  const Pose T_this_other = T_map_submap.inverse() * other->T_map_submap;
+  FuseInto(*other->contents.Read(), T_this_other, FusionRule::kAdd, &*contents.Write());
+  ++revision;
+  std::vector<HeldKeyframe> all;
+  std::merge(keyframes.begin(), keyframes.end(), other->keyframes.begin(), other->keyframes.end(),
+             std::back_inserter(all),
+             [](const auto& a, const auto& b) { return a.sensor.keyframe < b.sensor.keyframe; });
+  keyframes = std::move(all);
+  for (AccumulatedCloud& cloud : other->clouds) {
+    cloud.T_submap_cloud = T_this_other * cloud.T_submap_cloud;
+    clouds.push_back(std::move(cloud));
+  }
+  latest = std::max(latest, other->latest);
+}
+
+size_t Submap::Bytes() const {
+  size_t bytes = contents.ResidentBytes();
+  for (const AccumulatedCloud& cloud : clouds) bytes += cloud.points.Bytes();
+  return bytes;
 }
 
 }  // namespace atlas::mapping

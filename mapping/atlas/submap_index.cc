@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "mapping/atlas/submap.h"
-
 namespace atlas::mapping {
 namespace {
 
@@ -15,33 +13,18 @@ using core::Vec3f;
 constexpr double kMostCells = 4e6;  ///< a wider place has wider cells
 constexpr float kRounding = 1e-4f;
 
-bool HoldsAnything(const OctreeContents& contents, const OccupancyOctree::Chunk& chunk, int block,
-                   const NodeKey& first_voxel) {
-  return OccupancyField::NodeObserved(chunk.BlockNode(block)) ||
-         (contents.behind && contents.behind->Find(first_voxel) != nullptr);
-}
-
 }  // namespace
 
-void SubmapIndex::Add(const OctreeContents& contents, const core::Pose& T_map_submap) {
-  const OccupancyOctree& tree = contents.tree;
-  const double side_m = kBlockSide * tree.resolution_m();
-  if (cell_m_ == 0.0) cell_m_ = side_m;
-  // Of a block's box in the map: the sums of a rotation's absolute rows.
-  const Vec3 half = 0.5 * side_m * T_map_submap.linear().cwiseAbs().rowwise().sum();
-  for (const OccupancyOctree::Chunk* chunk : tree.Chunks()) {
-    for (int block = 0; block < kChunkBlocks; ++block) {
-      const NodeKey offset = BlockOffset(block);
-      const NodeKey at{8 * chunk->key.x + offset.x, 8 * chunk->key.y + offset.y, 8 * chunk->key.z + offset.z};
-      if (!HoldsAnything(contents, *chunk, block, {kBlockSide * at.x, kBlockSide * at.y, kBlockSide * at.z}))
-        continue;
-      const Vec3 center = T_map_submap * (side_m * (Vec3(at.x, at.y, at.z).array() + 0.5)).matrix();
-      bounds_map_.Extend(center - half);
-      bounds_map_.Extend(center + half);
-      blocks_.push_back({(center - half).cast<float>().array() - kRounding,
-                         (center + half).cast<float>().array() + kRounding, submaps_});
-    }
-  }
+void SubmapIndex::Add(const SubmapOutline& outline, const core::Pose& T_map_submap) {
+  if (cell_m_ == 0.0) cell_m_ = outline.block_m;
+  const Vec3 half = HalfSizeOfTurned(outline.block_m, T_map_submap);
+  outline.ForEachBlock([&](const Vec3& center_submap) {
+    const Vec3 center = T_map_submap * center_submap;
+    bounds_map_.Extend(center - half);
+    bounds_map_.Extend(center + half);
+    blocks_.push_back({(center - half).cast<float>().array() - kRounding,
+                       (center + half).cast<float>().array() + kRounding, submaps_});
+  });
   ++submaps_;
 }
 

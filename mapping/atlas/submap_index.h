@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "mapping/octree/octree_view.h"
+#include "mapping/atlas/submap_outline.h"
 
 namespace atlas::mapping {
 
 class SubmapIndex {
  public:
   /// Adds a submap's blocks that hold anything, where it lies. Submaps are added in order of precedence.
-  void Add(const OctreeContents& contents, const core::Pose& T_map_submap);
+  void Add(const SubmapOutline& outline, const core::Pose& T_map_submap);
   /// Call once, after the last Add and before the first At.
   void Build();
 

@@ -1,11 +1,7 @@
 // The Atlas as a map: `mapper.name: atlas`.
 #include "mapping/atlas/atlas.h"
 
-#include <fmt/format.h>
-
-#include "core/files.h"
 #include "mapping/backends/builders.h"
-#include "mapping/io/map_file.h"
 
 namespace atlas::mapping {
 namespace {
@@ -24,23 +20,16 @@ class AtlasMap final : public Map {
   size_t SubmapCount() const override { return atlas_.submaps().size(); }
   std::vector<SubmapMembers> Submaps() const override {
     std::vector<SubmapMembers> members;
-    for (const auto& submap : atlas_.submaps()) members.push_back({submap->id, submap->keyframes});
+    for (const auto& submap : atlas_.submaps()) {
+      members.push_back({submap->id, {}});
+      for (const HeldKeyframe& held : submap->keyframes)
+        members.back().keyframes.push_back(held.sensor.keyframe);
+    }
     return members;
   }
 
   std::string Save(const std::filesystem::path& directory) const override {
-    const std::filesystem::path folder = directory / "atlas";
-    std::string list = "submap,root_keyframe,keyframes,overlap,file,x_m,y_m,z_m,qx,qy,qz,qw\n";
-    for (const auto& submap : atlas_.submaps()) {
-      const std::string file = fmt::format("submap_{:03d}.atlas", submap->id);
-      WriteMap(folder / file, submap->contents.Read().tree);
-      const core::Vec3& p = submap->T_map_submap.translation();
-      const Eigen::Quaterniond q(submap->T_map_submap.linear());
-      list += fmt::format("{},{},{},{:.4f},{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f}\n", submap->id,
-                          submap->root, submap->keyframes.size(), submap->overlap, file, p.x(), p.y(), p.z(),
-                          q.x(), q.y(), q.z(), q.w());
-    }
-    core::WriteFileAtomically(folder / "submaps.csv", list);
+    WriteAtlas(directory / "atlas", atlas_.Saved());
     return "atlas";
   }
 

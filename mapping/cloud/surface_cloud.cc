@@ -68,25 +68,45 @@ uint64_t CellKey(const Vec3f& p, double inverse_voxel) {
 constexpr float kReachVoxels = 3.0f;
 constexpr size_t kLeastNeighbours = 5;
 
-/// Of the plane through the neighbours, facing the viewpoint. A line fits them where the second axis of their
-/// scatter is below a tenth of the first: rows of a LiDAR far from their neighbours.
-Vec3f NormalOf(const std::vector<Vec3f>& points, const uint32_t* index, size_t count,
-               const Vec3f& to_viewpoint) {
-  constexpr double kLineShare = 0.1 * 0.1;
-  if (count < kLeastNeighbours) return Vec3f::Zero();
+/// Eigenvalues ascend.
+Eigen::SelfAdjointEigenSolver<core::Mat3> AxesOf(const std::vector<Vec3>& points) {
   Vec3 mean = Vec3::Zero();
-  for (size_t k = 0; k < count; ++k) mean += points[index[k]].cast<double>();
-  mean /= static_cast<double>(count);
+  for (const Vec3& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
   core::Mat3 scatter = core::Mat3::Zero();
-  for (size_t k = 0; k < count; ++k) {
-    const Vec3 d = points[index[k]].cast<double>() - mean;
-    scatter += d * d.transpose();
-  }
+  for (const Vec3& p : points) scatter += (p - mean) * (p - mean).transpose();
   Eigen::SelfAdjointEigenSolver<core::Mat3> axes;
   axes.computeDirect(scatter);
+  return axes;
+}
+
+/// Of the plane through the neighbours, facing the viewpoint at the origin. A line fits them where the second
+/// axis of their scatter is below a tenth of the first: rows of a LiDAR far from their neighbours. So does a
+/// line as seen from the viewpoint: one row across an edge, whose plane would stand across the edge and
+/// travel with the LiDAR. A plane that is seen obliquely looks narrower by its cosine.
+Vec3f NormalOf(const std::vector<Vec3>& neighbours) {
+  constexpr double kLineShare = 0.1 * 0.1, kFlatShare = 0.1;
+  if (neighbours.size() < kLeastNeighbours) return Vec3f::Zero();
+  const auto axes = AxesOf(neighbours);
   if (!(axes.eigenvalues()[1] > kLineShare * axes.eigenvalues()[2])) return Vec3f::Zero();
-  const Vec3f normal = axes.eigenvectors().col(0).normalized().cast<float>();
-  return normal.dot(to_viewpoint) < 0.0f ? Vec3f(-normal) : normal;
+  if (axes.eigenvalues()[0] > kFlatShare * axes.eigenvalues()[1]) return Vec3f::Zero();
+  const Vec3 normal = axes.eigenvectors().col(0).normalized();
+  std::vector<Vec3> directions;
+  for (const Vec3& p : neighbours) directions.push_back(p.normalized());
+  const Vec3 seen = AxesOf(directions).eigenvalues();
+  const double cosine = normal.dot(directions.front());
+  if (!(seen[1] > kLineShare * cosine * cosine * seen[2])) return Vec3f::Zero();
+  return (cosine > 0.0 ? Vec3(-normal) : normal).cast<float>();
+}
+
+/// Whether two thirds of the neighbours lie on surfaces turned alike (26 degrees). Far down a corridor the
+/// samples of wall and ceiling form planes across it, which no point around them confirms; they travel with
+/// the LiDAR, and a scan matched to them would stand still.
+bool Confirmed(const Vec3f& normal, std::span<const uint32_t> neighbours, const std::vector<Vec3f>& normals) {
+  constexpr float kAlike = 0.9f;
+  size_t alike = 0;
+  for (const uint32_t k : neighbours) alike += normals[k].dot(normal) > kAlike;
+  return 3 * alike >= 2 * neighbours.size();
 }
 
 }  // namespace
@@ -104,7 +124,7 @@ double ChooseVoxel(std::span<const Vec3f> points, const Vec3f& viewpoint) {
   return std::clamp(static_cast<double>(*middle) / kCellsToMedian, kLeast_m, kMost_m);
 }
 
-std::vector<Vec3f> ThinToVoxels(std::span<const Vec3f> points, double voxel_m) {
+std::vector<Vec3f> ThinToVoxels(std::span<const Vec3f> points, double voxel_m, std::vector<uint32_t>* first) {
   assert(voxel_m > 0.0);
   constexpr uint32_t kFree = ~uint32_t{0};
   struct Cell {
@@ -117,7 +137,9 @@ std::vector<Vec3f> ThinToVoxels(std::span<const Vec3f> points, double voxel_m) {
   std::vector<uint32_t> slots(capacity, kFree);
   std::vector<Cell> cells;
   const double inverse = 1.0 / voxel_m;
-  for (const Vec3f& p : points) {
+  if (first != nullptr) first->clear();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vec3f& p = points[i];
     if (!p.allFinite()) continue;
     const uint64_t key = CellKey(p, inverse);
     size_t slot = core::HashCounter(0, key) & (capacity - 1);
@@ -125,6 +147,7 @@ std::vector<Vec3f> ThinToVoxels(std::span<const Vec3f> points, double voxel_m) {
     if (slots[slot] == kFree) {
       slots[slot] = static_cast<uint32_t>(cells.size());
       cells.push_back({key, 0, Vec3::Zero()});
+      if (first != nullptr) first->push_back(static_cast<uint32_t>(i));
     }
     Cell& cell = cells[slots[slot]];
     ++cell.count;
@@ -146,6 +169,7 @@ struct SurfaceCloud::Impl {
 
   CloudPoints cloud;
   std::vector<Vec3f> normals;
+  std::vector<uint32_t> first_in_cell;
   double voxel_m;
   CloudTree tree;
 };
@@ -153,23 +177,35 @@ struct SurfaceCloud::Impl {
 SurfaceCloud::SurfaceCloud(std::span<const Vec3f> points, const SurfaceCloudParams& params) {
   assert(params.neighbours >= 5);
   const double voxel_m = params.voxel_m > 0.0 ? params.voxel_m : ChooseVoxel(points, params.viewpoint);
-  impl_ = std::make_unique<Impl>(ThinToVoxels(points, voxel_m), voxel_m);
+  std::vector<uint32_t> first;
+  impl_ = std::make_unique<Impl>(ThinToVoxels(points, voxel_m, &first), voxel_m);
+  impl_->first_in_cell = std::move(first);
   const std::vector<Vec3f>& thinned = impl_->cloud.points;
   impl_->normals.assign(thinned.size(), Vec3f::Zero());
   if (thinned.empty()) return;
   const auto neighbours = static_cast<size_t>(params.neighbours);
   const float reach_m = kReachVoxels * static_cast<float>(voxel_m), reach_sq = reach_m * reach_m;
+  std::vector<uint32_t> index(thinned.size() * neighbours);
+  std::vector<size_t> found(thinned.size());
+  std::vector<Vec3f> fitted(thinned.size());
   core::ParallelFor(params.threads, thinned.size(), [&](size_t begin, size_t end, size_t) {
-    std::vector<uint32_t> index(neighbours);
     std::vector<float> distance_sq(neighbours);
+    std::vector<Vec3> near;
     for (size_t i = begin; i < end; ++i) {
-      const size_t nearest =
-          impl_->tree.knnSearch(thinned[i].data(), neighbours, index.data(), distance_sq.data());
-      const auto found = static_cast<size_t>(
-          std::upper_bound(distance_sq.begin(), distance_sq.begin() + static_cast<std::ptrdiff_t>(nearest),
-                           reach_sq) -
-          distance_sq.begin());
-      impl_->normals[i] = NormalOf(thinned, index.data(), found, params.viewpoint - thinned[i]);
+      uint32_t* own = index.data() + i * neighbours;
+      const size_t nearest = impl_->tree.knnSearch(thinned[i].data(), neighbours, own, distance_sq.data());
+      near.clear();
+      for (size_t k = 0; k < nearest && distance_sq[k] <= reach_sq; ++k)
+        near.push_back((thinned[own[k]] - params.viewpoint).cast<double>());
+      found[i] = near.size();
+      fitted[i] = NormalOf(near);
+    }
+  });
+  core::ParallelFor(params.threads, thinned.size(), [&](size_t begin, size_t end, size_t) {
+    for (size_t i = begin; i < end; ++i) {
+      const bool keep =
+          !fitted[i].isZero() && Confirmed(fitted[i], {index.data() + i * neighbours, found[i]}, fitted);
+      if (keep) impl_->normals[i] = fitted[i];
     }
   });
 }
@@ -183,6 +219,9 @@ const std::vector<Vec3f>& SurfaceCloud::points() const {
 }
 const std::vector<Vec3f>& SurfaceCloud::normals() const {
   return impl_->normals;
+}
+const std::vector<uint32_t>& SurfaceCloud::first_in_cell() const {
+  return impl_->first_in_cell;
 }
 double SurfaceCloud::voxel_m() const {
   return impl_->voxel_m;

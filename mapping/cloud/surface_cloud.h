@@ -24,8 +24,10 @@ struct SurfaceCloudParams {
 double ChooseVoxel(std::span<const core::Vec3f> points, const core::Vec3f& viewpoint);
 
 /// The mean of the points in each cell of a grid, by the order in which cells are met. Points that are not
-/// finite are left out. @pre voxel_m > 0, |p| < 2^20 cells.
-std::vector<core::Vec3f> ThinToVoxels(std::span<const core::Vec3f> points, double voxel_m);
+/// finite are left out. `first`, if given, takes the index of the first point in each cell.
+/// @pre voxel_m > 0, |p| < 2^20 cells.
+std::vector<core::Vec3f> ThinToVoxels(std::span<const core::Vec3f> points, double voxel_m,
+                                      std::vector<uint32_t>* first = nullptr);
 
 /// Immutable; any thread may search it. May be moved.
 class SurfaceCloud {
@@ -37,9 +39,11 @@ class SurfaceCloud {
 
   size_t size() const { return points().size(); }
   const std::vector<core::Vec3f>& points() const;
-  /// Unit, facing the viewpoint; zero where the neighbours lie on a line (one row of the LiDAR) or are too
-  /// few.
+  /// Unit, facing the viewpoint; zero where the neighbours lie on a line (one row of the LiDAR), on no plane,
+  /// are too few, or where the surfaces around are turned otherwise.
   const std::vector<core::Vec3f>& normals() const;
+  /// Of each point, the index of the first given one in its cell.
+  const std::vector<uint32_t>& first_in_cell() const;
   double voxel_m() const;
 
   /// The nearest point strictly within `max_distance_m` of `p`, or -1.

@@ -68,6 +68,14 @@ PoseMatch MatchPoses(const ScanSource& source, const RecordedPoses& poses, const
   return match;
 }
 
+PoseMatch NoPoses(const ScanSource& source) {
+  PoseMatch match;
+  match.origin = "none";
+  for (size_t i = 0; i < source.entries().size(); ++i)
+    match.scans.push_back({i, StampByOrder(source.entries()[i], i), core::Pose::Identity()});
+  return match;
+}
+
 PoseMatch OwnPoses(const ScanSource& source) {
   const auto& entries = source.entries();
   PoseMatch match;
@@ -75,10 +83,10 @@ PoseMatch OwnPoses(const ScanSource& source) {
   const bool has_poses = std::all_of(entries.begin(), entries.end(),
                                      [](const ScanEntry& e) { return e.T_map_lidar.has_value(); });
   if (!has_poses && entries.size() != 1)
-    throw InputError(
-        fmt::format("{}: nothing tells the poses of these {} scans: give --poses FILE (TUM, KITTI or 4x4 "
-                    "matrices), or put it beside them as poses.tum or poses.txt",
-                    source.description(), entries.size()));
+    throw InputError(fmt::format(
+        "{}: nothing tells the poses of these {} scans: give --poses FILE (TUM, KITTI or 4x4 "
+        "matrices), or put it beside them as poses.tum or poses.txt; atlas slam maps a log without",
+        source.description(), entries.size()));
   if (!has_poses) match.origin = "identity";
   for (size_t i = 0; i < entries.size(); ++i)
     match.scans.push_back(

@@ -25,6 +25,9 @@ struct PoseMatch {
 PoseMatch MatchPoses(const ScanSource& source, const RecordedPoses& poses, const std::string& file,
                      double max_dt_s);
 
+/// The identity for each scan: only times are wanted.
+PoseMatch NoPoses(const ScanSource& source);
+
 /// The poses that the source itself tells; identity for a single scan. @throws InputError without any.
 PoseMatch OwnPoses(const ScanSource& source);
 

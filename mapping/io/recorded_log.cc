@@ -76,16 +76,18 @@ RecordedLogOptions WithPosesOfBag(RecordedLogOptions options) {
 RecordedLogOptions Resolved(RecordedLogOptions options) {
   const fs::path folder = options.scans;
   std::error_code error;
-  if (NamesBag(options.scans)) return WithPosesOfBag(std::move(options));
+  if (NamesBag(options.scans)) return options.without_poses ? options : WithPosesOfBag(std::move(options));
   if (!fs::is_directory(folder, error)) return options;
   for (const char* name : {"scans", "velodyne", "velodyne_points/data"}) {
     if (!fs::is_directory(folder / name, error)) continue;
     options.scans = (folder / name).string();
     break;
   }
-  for (const char* poses : {"poses.tum", "poses.txt"}) FillIfThere(folder / poses, &options.poses);
-  FillIfThere(folder / "trajectory.tum", &options.trajectory);
-  FillIfThere(folder / "calib.txt", &options.calibration);
+  if (!options.without_poses) {
+    for (const char* poses : {"poses.tum", "poses.txt"}) FillIfThere(folder / poses, &options.poses);
+    FillIfThere(folder / "trajectory.tum", &options.trajectory);
+    FillIfThere(folder / "calib.txt", &options.calibration);
+  }
   ReadDatasetFile(folder / "dataset.yaml", &options);
   return options;
 }
@@ -130,6 +132,10 @@ struct RecordedLog::Impl {
 };
 
 void RecordedLog::Impl::MeetPoses() {
+  if (options.without_poses) {
+    match = NoPoses(*source);
+    return;
+  }
   std::optional<Calibration> calibration;
   if (!options.calibration.empty()) calibration = ReadCalibration(options.calibration);
   if (!options.trajectory.empty()) {

@@ -23,6 +23,9 @@ struct RecordedLogOptions {
   std::string poses;
   /// TUM file at a high rate: where clouds tell the times of their points, each ray has its own pose.
   std::string trajectory;
+  /// No poses are looked for: each scan's is the identity, its time that of its name or, by order, ten a
+  /// second.
+  bool without_poses = false;
   /// The LiDAR in the frame whose poses were recorded (ReadCalibration), where that is another.
   std::string calibration;
   /// Beams of organised clouds: "auto" (estimate; unorganised where the points are not a spinning LiDAR's),

@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/byte_reader.h"
 #include "mapping/cloud/undistort.h"
 #include "mapping/octree/morton.h"
 
@@ -40,6 +42,12 @@ class BehindSurface {
   void Mark(const UndistortedSpin& spin, double max_range_m);
   /// The block of a voxel, or null.
   const Block* Find(const NodeKey& voxel) const;
+  /// Takes over the marks of a map that lies turned and shifted, each to the voxel that its middle falls in.
+  void Merge(const BehindSurface& other, const core::Pose& T_here_other);
+  /// As bytes, the same for the same marks.
+  void AppendTo(std::string* out) const;
+  /// What AppendTo wrote. @throws InputError where it ends early.
+  static BehindSurface Read(core::ByteReader* reader);
   size_t Bytes() const { return blocks_.size() * (sizeof(Block) + 4 * sizeof(void*)); }
 
  private:
@@ -47,6 +55,12 @@ class BehindSurface {
   std::unordered_map<uint64_t, Block> blocks_;
   std::unordered_set<uint64_t> hit_;  ///< voxels of one revolution
 };
+
+/// The voxel of PackedKey's number.
+inline NodeKey UnpackedKey(uint64_t key) {
+  const auto bits = [](uint64_t v) { return static_cast<int32_t>(v & 0x1fffff) - (1 << 20); };
+  return {bits(key), bits(key >> 21), bits(key >> 42)};
+}
 
 /// A number of its own for each voxel within a million voxels of the origin.
 inline uint64_t PackedKey(const NodeKey& voxel) {

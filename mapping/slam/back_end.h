@@ -4,8 +4,7 @@
 // It is the same whatever thread runs it, as long as calls come one after another in the same order.
 #pragma once
 
-#include <cstdint>
-#include <utility>
+#include <memory>
 #include <vector>
 
 #include "mapping/slam/loop_search.h"
@@ -24,8 +23,8 @@ struct FinishedNode {
 struct SolvedNodes {
   std::vector<core::Pose> T_map_node;
   uint64_t version = 0;
-  bool full_pass_due = false;  ///< a tenth of all loops have come since the last one
-  std::vector<std::pair<uint32_t, uint32_t>> loops = {};  ///< nodes that loops have joined
+  bool full_pass_due = false;                     ///< a tenth of all loops have come since the last one
+  std::shared_ptr<const PoseGraph> inliers = {};  ///< that the poses come from, as of `version`
 };
 
 class SlamBackEnd {
@@ -40,14 +39,15 @@ class SlamBackEnd {
   const PoseGraphSlam& graph() const { return graph_; }
 
  private:
-  SolvedNodes Solved() const;
+  SolvedNodes Solved();
 
   SlamParams params_;
   PoseGraphSlam graph_;
   LoopSearch search_;
   bool first_ = true;
-  size_t loops_since_full_pass_ = 0;
-  std::vector<std::pair<uint32_t, uint32_t>> loops_;
+  size_t loops_since_full_pass_ = 0, loops_ = 0;
+  std::shared_ptr<const PoseGraph> inliers_;
+  uint64_t inliers_version_ = 0;
 };
 
 }  // namespace atlas::mapping

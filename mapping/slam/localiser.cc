@@ -28,6 +28,7 @@ void LocalisationParams::Visit(core::ParamVisitor& v) {
   core::AbsentFields absent(&v, "localisation.name = " + name);
   core::ParamVisitor& none = absent;
   slam.Visit(name == "slam" ? v : none);
+  if (lidar && name != "truth") v.Section("lidar_odometry", &lidar_odometry);
 }
 
 const std::vector<LocaliserEntry>& LocaliserCatalog() {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +11,10 @@
 #include "core/keyframe.h"
 #include "core/params.h"
 #include "core/rng.h"
+#include "core/se3.h"
 #include "core/sensor_events.h"
+#include "mapping/slam/lidar_odometry.h"
+#include "mapping/slam/pose_graph.h"
 #include "mapping/slam/slam_params.h"
 
 namespace atlas::mapping {
@@ -21,7 +25,16 @@ struct LocalisationParams {
   double sigma_deg = 0.05;
   double period_s = 1.0;  ///< truth: from fix to fix; 0: at every state
   SlamParams slam = {};
+  LidarOdometryParams lidar_odometry = {};  ///< in front, where `lidar` is set
+  bool lidar = false;                       ///< the odometry is only scan matching's prior
   void Visit(core::ParamVisitor& v);
+};
+
+/// How scan matching fared.
+struct OdometryHealth {
+  size_t revolutions = 0;
+  size_t lost = 0;        ///< that met too little of the map: the prior alone
+  size_t degenerate = 0;  ///< of which some direction kept the prior
 };
 
 /// Fed by one thread; what poses() returned may be read by any.
@@ -36,10 +49,12 @@ class Localiser {
   virtual core::Pose T_map_odom() const = 0;
   /// Holds every keyframe so far.
   virtual std::shared_ptr<const core::PoseSource> poses() const = 0;
-  /// At the end: waits for what is still being worked out, and takes it over.
+  /// At the end, after which nothing is placed: waits for what is still being worked out, and takes it over.
   virtual void Settle() {}
-  /// Pairs of keyframes that loops have joined so far.
-  virtual std::vector<std::pair<core::KeyframeId, core::KeyframeId>> loops() const { return {}; }
+  /// The pose graph behind the keyframes, without loops thought false; nothing where there is none.
+  virtual std::optional<PoseGraph> InlierGraph() const { return std::nullopt; }
+  /// Nothing without scan matching.
+  virtual std::optional<OdometryHealth> odometry_health() const { return std::nullopt; }
 };
 
 /// What a localiser starts from.
@@ -50,6 +65,9 @@ struct LocaliserStart {
   /// empty for all others.
   std::function<core::Pose()> T_map_base_true;
   int threads = 1;  ///< more than one: loops are sought beside the caller; results do not depend on it
+  /// Covariance of odometry's motion, `way_m` long, since this was last called, of xi in T Exp(xi); empty
+  /// where odometry does not tell.
+  std::function<core::Mat6(double way_m)> edge_covariance = {};
 };
 
 struct LocaliserEntry {
@@ -60,7 +78,7 @@ struct LocaliserEntry {
 };
 const std::vector<LocaliserEntry>& LocaliserCatalog();
 
-/// @throws InputError for an unknown name.
+/// The one of params.name, without scan matching in front. @throws InputError for an unknown name.
 std::unique_ptr<Localiser> MakeLocaliser(const LocalisationParams& params, const LocaliserStart& start,
                                          const core::Rng& rng);
 

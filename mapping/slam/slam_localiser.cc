@@ -93,8 +93,11 @@ class SlamLocaliser final : public Localiser {
  public:
   SlamLocaliser(const SlamParams& params, const LocaliserStart& start)
       : params_(params),
+        edge_covariance_(start.edge_covariance),
         back_end_(params, start.T_map_odom * start.T_odom_base),
         T_map_node_({start.T_map_odom * start.T_odom_base}),
+        solved_(std::make_shared<const SolvedGraph>(
+            std::make_shared<const PoseGraph>(PoseGraph{.T_map_node = T_map_node_}))),
         T_odom_node_(start.T_odom_base),
         T_odom_base_(start.T_odom_base),
         lane_(1, start.threads > 1) {}
@@ -114,12 +117,20 @@ class SlamLocaliser final : public Localiser {
 
   Pose T_map_odom() const override { return T_map_node_.back() * T_odom_node_.inverse(); }
 
-  std::shared_ptr<const core::PoseSource> poses() const override {
-    if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(T_map_node_, version_);
-    return snapshot_;
+  std::optional<PoseGraph> InlierGraph() const override {
+    PoseGraph graph = solved_->inliers();
+    for (uint32_t node = graph.size(); node < T_map_node_.size(); ++node) {
+      graph.edges.push_back(
+          {node - 1, node, steps_[node].T_previous_node, steps_[node].covariance.inverse()});
+    }
+    graph.T_map_node = T_map_node_;
+    return graph;
   }
 
-  std::vector<std::pair<core::KeyframeId, core::KeyframeId>> loops() const override { return loops_; }
+  std::shared_ptr<const core::PoseSource> poses() const override {
+    if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(T_map_node_, version_, solved_, steps_);
+    return snapshot_;
+  }
 
   void Settle() override {
     Finish();
@@ -132,17 +143,19 @@ class SlamLocaliser final : public Localiser {
   void BeginNode() {
     Finish();
     const Pose T_previous_node = T_odom_node_.inverse() * T_odom_base_;
-    const double share = std::sqrt(T_previous_node.translation().norm() / kEdgeM);
-    node_ = {
-        T_previous_node,
-        InformationOf(share * params_.odometry_sigma_m, share * core::Radians(params_.odometry_sigma_deg)),
-        {}};
+    node_ = {T_previous_node, InformationOfEdge(T_previous_node.translation().norm()), {}};
     T_map_node_.push_back(T_map_node_.back() * T_previous_node);
-    T_previous_node_.push_back(T_previous_node);
+    steps_.push_back({T_previous_node, node_.information.inverse()});
     T_odom_node_ = T_odom_base_;
     looked_from_.reset();
     looks_ = 0;
     snapshot_.reset();
+  }
+
+  Mat6 InformationOfEdge(double way_m) const {
+    if (edge_covariance_) return edge_covariance_(way_m).inverse();
+    const double share = std::sqrt(way_m / kEdgeM);
+    return InformationOf(share * params_.odometry_sigma_m, share * core::Radians(params_.odometry_sigma_deg));
   }
 
   /// Gathers what the node sees: its first revolution, and others from where the sensor has moved since.
@@ -182,18 +195,20 @@ class SlamLocaliser final : public Localiser {
     const SolvedNodes& solved = *correction.nodes;
     if (solved.full_pass_due && under_way_.empty())
       Post(params_.full_latency_s, [this] { return back_end_.FullPass(); });
-    loops_ = solved.loops;
     if (std::exchange(version_, solved.version) == solved.version) return;
     std::copy(solved.T_map_node.begin(), solved.T_map_node.end(), T_map_node_.begin());
     for (size_t node = solved.T_map_node.size(); node < T_map_node_.size(); ++node)
-      T_map_node_[node] = T_map_node_[node - 1] * T_previous_node_[node];
+      T_map_node_[node] = T_map_node_[node - 1] * steps_[node].T_previous_node;
+    solved_ = std::make_shared<const SolvedGraph>(solved.inliers);
     snapshot_.reset();
   }
 
   SlamParams params_;
+  std::function<Mat6(double)> edge_covariance_;
   SlamBackEnd back_end_;  ///< touched by tasks of the lane alone
   std::vector<Pose> T_map_node_;
-  std::vector<Pose> T_previous_node_{Pose::Identity()};  ///< by odometry
+  std::shared_ptr<const SolvedGraph> solved_;  ///< as of version_
+  std::vector<NodeStep> steps_{NodeStep{}};    ///< by odometry
   uint64_t version_ = 0;
   Pose T_odom_node_;  ///< of the latest node
   Pose T_odom_base_;
@@ -201,7 +216,6 @@ class SlamLocaliser final : public Localiser {
   FinishedNode node_;                        ///< the latest one, in the making
   std::optional<Pose> looked_from_;          ///< T_odom_lidar of the latest revolution in its cloud
   int looks_ = 0;                            ///< revolutions in it
-  std::vector<std::pair<core::KeyframeId, core::KeyframeId>> loops_;
   UndistortedSpin rays_;
   std::deque<Correction> under_way_;  ///< in the order in which they take effect
   mutable std::shared_ptr<const GraphPoses> snapshot_;

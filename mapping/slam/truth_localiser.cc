@@ -16,7 +16,10 @@ constexpr double kTimeEps = 1e-6;  ///< clocks add up steps
 class TruthLocaliser final : public Localiser {
  public:
   TruthLocaliser(const LocalisationParams& params, const LocaliserStart& start, const core::Rng& rng)
-      : params_(params), T_map_base_true_(start.T_map_base_true), rng_(rng.Split("localisation")) {
+      : params_(params),
+        T_map_base_true_(start.T_map_base_true),
+        rng_(rng.Split("localisation")),
+        keyframes_(params.sigma_m) {
     Fix(start.T_odom_base);
   }
 

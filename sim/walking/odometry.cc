@@ -29,15 +29,23 @@ Odometry::Odometry(const OdometryParams& params, const core::Pose& T_map_spawn, 
   bias_rad_ = share * core::Radians(kEdgeSigmaDeg) * NormalVector(&bias_rng);
 }
 
-core::Pose Odometry::LegsError(const core::Pose& T_map_base, double walked_m) {
-  const double share = std::sqrt(walked_m);
-  const double yaw = share * core::Radians(params_.drift_yaw_deg_per_m) * drift_rng_.Normal();
-  const double x = share * params_.drift_xy_per_m * drift_rng_.Normal();
-  const double y = share * params_.drift_xy_per_m * drift_rng_.Normal();
+core::Pose Odometry::LegsError(const core::Pose& T_map_base, const core::Vec2& walked_map) {
+  const bool prior = params_.name == "lidar";
+  const double sigma_deg = prior ? params_.prior_yaw_deg_per_m : params_.drift_yaw_deg_per_m;
+  const double sigma_m = prior ? params_.prior_xy_per_m : params_.drift_xy_per_m;
+  const double walked_m = walked_map.norm(), share = std::sqrt(walked_m);
+  double yaw = share * core::Radians(sigma_deg) * drift_rng_.Normal();
+  const double x = share * sigma_m * drift_rng_.Normal();
+  const double y = share * sigma_m * drift_rng_.Normal();
+  core::Vec3 away(x, y, 0.0);
+  if (prior) {
+    yaw += walked_m * core::Radians(params_.prior_bias_deg_per_m);
+    away += params_.prior_bias * (T_odom_map_.linear() * core::Vec3(walked_map.x(), walked_map.y(), 0.0));
+  }
   // The error happens where the robot is, so heading errors do not swing it about a distant origin.
   const core::Vec3 here = T_odom_map_ * T_map_base.translation();
-  const core::Pose error = Eigen::Translation3d(here + core::Vec3(x, y, 0.0)) *
-                           Eigen::AngleAxisd(yaw, core::Vec3::UnitZ()) * Eigen::Translation3d(-here);
+  const core::Pose error = Eigen::Translation3d(here + away) * Eigen::AngleAxisd(yaw, core::Vec3::UnitZ()) *
+                           Eigen::Translation3d(-here);
   return error * T_odom_map_;
 }
 
@@ -53,11 +61,11 @@ core::Pose Odometry::WanderError(const core::Pose& T_map_base, double walked_m) 
 
 void Odometry::Update(const core::Pose& T_map_base) {
   const core::Vec2 p = T_map_base.translation().head<2>();
-  const double walked_m = (p - p_last_).norm();
-  if (walked_m >= kDriftStepM && params_.name != "truth") {
+  const core::Vec2 walked = p - p_last_;
+  if (walked.norm() >= kDriftStepM && params_.name != "truth") {
     p_last_ = p;
     T_odom_map_ =
-        params_.name == "legs" ? LegsError(T_map_base, walked_m) : WanderError(T_map_base, walked_m);
+        params_.name == "drift" ? WanderError(T_map_base, walked.norm()) : LegsError(T_map_base, walked);
   }
   T_odom_base_ = T_odom_map_ * T_map_base;
 }

@@ -10,6 +10,8 @@ namespace atlas::sim {
 ///   legs   position and heading; roll, pitch and height are observable and have none
 ///   drift  all six axes of T Exp(xi), as a SLAM front end without an IMU has it (thesis 4.7: 1 m after 100
 ///   m)
+///   lidar  the prior of scan matching: as legs, and a share of each way and a turn a metre besides. What the
+///   scans make of it comes after the simulator (mapping/slam/lidar_front_end.cc)
 class Odometry {
  public:
   Odometry(const OdometryParams& params, const core::Pose& T_map_spawn, const core::Pose& T_map_base,
@@ -22,7 +24,7 @@ class Odometry {
 
  private:
   /// What the error of a stretch of the walk does to T_odom_map.
-  core::Pose LegsError(const core::Pose& T_map_base, double walked_m);
+  core::Pose LegsError(const core::Pose& T_map_base, const core::Vec2& walked_map);
   core::Pose WanderError(const core::Pose& T_map_base, double walked_m);
 
   OdometryParams params_;

@@ -19,6 +19,13 @@ class MovedKeyframes : public core::PoseSource {
   core::KeyframeId latest() const override {
     return static_cast<core::KeyframeId>(T_map_keyframe_.size() - 1);
   }
+  std::optional<double> RelativeSigmaM(core::KeyframeId a, core::KeyframeId b) const override {
+    return a == b ? std::optional(0.0) : sigma_m;
+  }
+  const std::vector<std::pair<core::KeyframeId, core::KeyframeId>>& Loops() const override { return loops; }
+
+  std::optional<double> sigma_m;  ///< between any two
+  std::vector<std::pair<core::KeyframeId, core::KeyframeId>> loops;
 
  private:
   std::vector<core::Pose> T_map_keyframe_;

@@ -10,9 +10,9 @@ namespace {
 using atlas::tests::CommandLine;
 using atlas::tests::Outcome;
 
-const std::vector<std::string> kCommands = {"run",    "render",    "explain",    "list", "check", "sweep",
-                                            "report", "record",    "bench",      "map",  "mesh",  "eval",
-                                            "export", "posegraph", "completion", "help"};
+const std::vector<std::string> kCommands = {"run",    "render", "explain",   "list",       "check", "sweep",
+                                            "report", "record", "bench",     "map",        "slam",  "mesh",
+                                            "eval",   "export", "posegraph", "completion", "help"};
 
 bool Holds(const std::string& text, const std::string& word) {
   return text.find(word) != std::string::npos;

@@ -65,6 +65,7 @@ TEST_F(ExplainedParameters, OfTheMissionAct) {
       {"mission.max_distance_m",
        {{"mission.max_scans=3", "planner.route=[-1.8 0, -1.8 1.2 90, -1.8 1.6 90]"}, "1"}},
       {"mission.flat_coverage", {{"mission.flat_scans=1", "mission.flat_coverage=1"}, "0"}},
+      {"mission.plan_after", {{}, "", "MapGround"}},
       {"mission.flat_scans", {{"mission.flat_scans=1", "mission.flat_coverage=1"}, "2"}},
   };
   probe_.SeeNothingElseAct(kMission);

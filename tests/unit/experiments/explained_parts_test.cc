@@ -9,6 +9,7 @@
 #include "scenes/catalog.h"
 #include "sim/simulator.h"
 #include "tests/support/explained_rows.h"
+#include "tests/support/moved_keyframes.h"
 #include "tests/support/placed_spins.h"
 #include "tests/support/terrain_scenes.h"
 #include "tests/support/tiny_mission.h"
@@ -125,7 +126,33 @@ std::vector<tests::PlacedSpins> SweepsOfABlock() {
   return sweeps;
 }
 
-/// The cloud, the file, and what rays of a planner meet.
+/// The sweeps, a keyframe each, and once more from a hand's breadth away, the last of them first taken for a
+/// turned place elsewhere.
+void Explore(const std::vector<tests::PlacedSpins>& sweeps, mapping::Map* mapper) {
+  std::vector<core::Pose> T_map_keyframe;
+  for (int lap = 0; lap < 2; ++lap) {
+    for (const tests::PlacedSpins& sweep : sweeps)
+      T_map_keyframe.push_back(Eigen::Translation3d(0.03 * lap, 0.0, 0.0) * sweep.T_map_odom);
+  }
+  const auto taken_for = [&](const core::Pose& T_true_taken, uint64_t version) {
+    std::vector<core::Pose> T_map_taken = T_map_keyframe;
+    T_map_taken.back() = T_map_taken.back() * T_true_taken;
+    tests::MovedKeyframes poses(T_map_taken, version);
+    poses.sigma_m = 0.1;
+    if (version > 0) poses.loops = {{0, 3}};
+    return poses;
+  };
+  const core::Pose away = core::PoseFromXyzYaw(Vec3(1.5, 0.5, 0.0), 0.5);
+  for (size_t k = 0; k < T_map_keyframe.size(); ++k) {
+    for (const core::SpinEvent& spin : sweeps[k % sweeps.size()].spins)
+      mapper->Integrate({.spin = tests::Shared(spin), .keyframe = static_cast<core::KeyframeId>(k)},
+                        taken_for(away, 0));
+  }
+  mapper->Correct(taken_for(away, 1));
+  mapper->Correct(taken_for(core::Pose::Identity(), 2));
+}
+
+/// The cloud, the file, its memory, and what rays of a planner meet.
 std::string MapperTells(const tests::TinyMissions& missions, const std::vector<tests::PlacedSpins>& sweeps,
                         const ExperimentConfig& config) {
   const auto mapper =
@@ -134,13 +161,9 @@ std::string MapperTells(const tests::TinyMissions& missions, const std::vector<t
                                        .behind_surface = true});
   Digest told;
   const core::Box3 box = mapping::RegionOf(config.mapper, kBlockBox);
-  std::vector<core::Pose> T_map_keyframe;  // a keyframe a sweep
+  Explore(sweeps, mapper.get());
+  told.Add(static_cast<uint32_t>(mapper->Bytes()));
   for (const tests::PlacedSpins& sweep : sweeps) {
-    const auto keyframe = static_cast<core::KeyframeId>(T_map_keyframe.size());
-    T_map_keyframe.push_back(sweep.T_map_odom);
-    for (const core::SpinEvent& spin : sweep.spins)
-      mapper->Integrate({.spin = tests::Shared(spin), .keyframe = keyframe},
-                        mapping::FixedPoses(T_map_keyframe));
     told.Add(
         tests::CloudOf(sweep, box, config.mapper.integrator.max_range_m, config.mapper.downsample_m).points);
   }
@@ -180,6 +203,20 @@ TEST(ExplainedParts, OfEveryMapperAct) {
   settings["mapper.max_scale"] = {{"mapper.resolution_m=0.008"}, "1"};  // the object is near
   settings["mapper.lambda_odom_m"] = {{"mapper.cloud_overlap=0"}, "1"};
   settings["mapper.cloud_overlap"] = {{}, "0"};
+  const std::string apart = "mapper.cloud_overlap=1", stay = "mapper.reentry=false";  // a submap a keyframe
+  const std::string no_overlap = "mapper.fusion_overlap=0";
+  // Two laps leave nothing unmeasured behind the block.
+  settings["mapper.behind_surface_m"] = {
+      {}, "", "SeAtlasMap.BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls"};
+  settings["mapper.reentry"] = {{no_overlap}};
+  settings["mapper.fusion_overlap"] = {{apart, stay}, "0"};
+  settings["mapper.fusion_overlap_both"] = {{apart, stay}, "1"};
+  settings["mapper.fusion_range_m"] = {{apart, stay}, "0.01"};
+  settings["mapper.lambda_cluster_m"] = {{apart, stay, no_overlap}, "0.01"};
+  settings["mapper.sigma_max_m"] = {{apart, stay}, "0.05"};
+  settings["mapper.update_m"] = settings["mapper.update_deg"] = {
+      {}, "", "AtlasFusion.UnderTheThresholdsOfPoseUpdateNothingIsMeasuredAgain"};
+  settings["mapper.memory_limit_mb"] = {{apart, stay, no_overlap}, "0.01"};
   const tests::TinyMissions missions;
   const std::vector<tests::PlacedSpins> sweeps = SweepsOfABlock();
   ParameterProbe probe = ProbeOf(

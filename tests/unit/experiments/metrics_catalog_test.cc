@@ -51,7 +51,10 @@ Fed FeedAll(const std::vector<JudgedScan>& scans) {
                       .safety = scans.back().safety,
                       .score = scans.back().score,
                       .trajectory = TrajectoryErrors{3.0, 2.0, 1.0, 7},
-                      .submaps = 5};
+                      .submaps = 5,
+                      .odometry = mapping::OdometryHealth{.revolutions = 10, .lost = 1, .degenerate = 2},
+                      .rooms = RoomScores{},
+                      .planned_m = 12.0};
   for (const auto& metric : metrics) metric->Summarise(run, &fed.summary);
   return fed;
 }

@@ -55,7 +55,7 @@ Table RandomTable(core::Rng* rng) {
   return table;
 }
 
-OctreeView ViewOf(const Table& table) {
+OctreeContents ContentsOf(const Table& table) {
   OccupancyOctree tree(kVoxelM);
   for (const auto& [voxel, state] : table.voxels) {
     tree.Set({voxel[0], voxel[1], voxel[2]}, state == CellState::kFree ? kFreeSteps : kOccupiedSteps);
@@ -63,7 +63,11 @@ OctreeView ViewOf(const Table& table) {
   BlockMask all;
   all.bits.fill(~uint64_t{0});
   for (const OccupancyOctree::Chunk* chunk : tree.Chunks()) tree.Propagate(tree.Find(chunk->key), all);
-  return {std::make_shared<const OctreeContents>(OctreeContents{std::move(tree), {}}), {}};
+  return {std::move(tree), {}};
+}
+
+OctreeView ViewOf(const Table& table) {
+  return {std::make_shared<const OctreeContents>(ContentsOf(table)), {}};
 }
 
 core::Box3 Everywhere() {
@@ -72,9 +76,13 @@ core::Box3 Everywhere() {
 
 AtlasView AtlasOf(const std::vector<Table>& tables, const core::Box3& keep) {
   std::vector<PosedSubmap> submaps;
+  const auto pager = std::make_shared<ContentsPager>(0);
   for (const Table& table : tables) {
     const auto id = static_cast<uint32_t>(submaps.size());
-    submaps.push_back({id, ViewOf(table), table.T_map_submap, {Vec3::Constant(-1.0), Vec3::Constant(1.0)}});
+    OctreeContents contents = ContentsOf(table);
+    auto outline = std::make_shared<const SubmapOutline>(OutlineOf(contents));
+    submaps.push_back({id, std::make_shared<const StoredContents>(pager, std::move(contents)), StateLogOdds{},
+                       table.T_map_submap, std::move(outline)});
   }
   return {kVoxelM, std::move(submaps), keep};
 }

