@@ -34,10 +34,13 @@ MapGround::Cell MapGround::CellOf(const Vec3& p) const {
 }
 
 bool MapGround::IsClear(const Vec2& p_map, double ground_m) const {
-  for (double h = body_.from_m; h <= body_.to_m; h += cell_m_) {
-    if (map_.StateAt({p_map.x(), p_map.y(), ground_m + h}) != CellState::kFree) return false;
+  int free = 0, all = 0;
+  for (double h = body_.from_m; h <= body_.to_m; h += cell_m_, ++all) {
+    const CellState state = map_.StateAt({p_map.x(), p_map.y(), ground_m + h});
+    if (state == CellState::kOccupied) return false;
+    free += state == CellState::kFree;
   }
-  return true;
+  return free >= body_.free_share * all;
 }
 
 std::optional<double> MapGround::ColumnAt(const Vec3& p_map) const {

@@ -16,6 +16,9 @@ struct BodyOnMap {
   double radius_m = 0.4;            ///< of an upright cylinder that must be free
   double from_m = 0.3, to_m = 0.8;  ///< above the ground
   double climb_m = 0.25;            ///< the ground may rise or fall by this from place to place
+  /// Of the voxels of a column: none may be occupied, and so many must be known to be free. Blocks on the
+  /// ground that beams only graze stay unmeasured below free ones.
+  double free_share = 0.4;
 };
 
 class MapGround {

@@ -19,7 +19,8 @@ class Hall final : public mapping::MapView {
     if (p.x() < 0 || p.y() < 0 || p.x() > 12 || p.y() > 8 || p.z() < -1.5 || p.z() > 3)
       return CellState::kUnknown;
     const bool patch = p.y() > 5 && p.y() < 6;
-    if (p.z() < 0.0 && patch && p.x() > 1 && p.x() < 2) return CellState::kUnknown;  // unseen
+    if (patch && p.x() > 1 && p.x() < 2 && p.z() < 0.5) return CellState::kUnknown;  // unseen below
+    if (patch && p.x() > 3 && p.x() < 4) return CellState::kUnknown;                 // unseen
     if (p.z() < 0.0 && patch && p.x() > 10 && p.x() < 11) return CellState::kFree;   // a pit
     if (p.z() < 0.0) return CellState::kOccupied;
     const bool wall = std::abs(p.x() - 6.0) < 0.15 && std::abs(p.y() - 6.0) > 0.5 * door_m_;
@@ -51,6 +52,7 @@ TEST(MapGround, GroundGoesOnWhereNoneWasSeenButNotOverAPit) {
   const Hall hall(1.2);
   const MapGround ground(hall, {.radius_m = 0.3});
   EXPECT_TRUE(ground.CanStand({1.5, 5.5, 0.1}));
+  EXPECT_FALSE(ground.CanStand({3.5, 5.5, 0.1}));
   EXPECT_FALSE(ground.CanStand({10.5, 5.5, 0.1}));
   EXPECT_FALSE(ground.CanStand({10.5, 4.85, 0.1}));  // its rim
 }
