@@ -15,7 +15,7 @@ using core::Vec3;
 using sim::Rgb;
 using sim::RgbImage;
 
-constexpr double kFinestPixel_m = 0.03, kFloorGap_m = 2.0;
+constexpr double kAboveGround_m = 0.6, kFinestPixel_m = 0.03, kFloorGap_m = 2.0;
 constexpr size_t kLeastShare = 12;  ///< of all nodes, as its inverse
 constexpr int kLongestPanel = 1100, kPanelGap = 20, kHeader = 26;
 constexpr Rgb kBlank = {255, 255, 255}, kFreeSpace = {240, 240, 240}, kLoopLine = {220, 30, 30},
@@ -128,7 +128,11 @@ void DrawGraph(const AtlasDrawing& drawing, double floor_z, Panel* panel) {
 }  // namespace
 
 RgbImage AtlasPicture(const AtlasDrawing& drawing) {
-  const std::vector<double> floors = FloorsOf(drawing.nodes);
+  // A way lies on the ground, nodes where the body is: the slice is to pass over the one and through the
+  // other.
+  const bool planned = !drawing.way.empty();
+  std::vector<double> floors = FloorsOf(planned ? drawing.way : drawing.nodes);
+  for (double& z : floors) z += planned ? kAboveGround_m : 0.0;
   const Vec2 size = drawing.box_map.Size().head<2>();
   const double pixel_m = std::max(kFinestPixel_m, size.maxCoeff() / kLongestPanel);
   const int width = static_cast<int>(std::ceil(size.x() / pixel_m)),
