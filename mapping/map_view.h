@@ -83,7 +83,7 @@ class RaySamples {
   }
 
   /// The next voxel, or voxels of one value in a row. Returns false where the ray ends: at an occupied voxel.
-  bool Add(const RaySample& sample) {
+  [[gnu::always_inline]] bool Add(const RaySample& sample) {
     if (!samples_.empty() && Joins(samples_.back(), sample)) {
       samples_.back().length_m += sample.length_m;
       samples_.back().voxels += sample.voxels;

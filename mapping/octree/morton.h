@@ -6,7 +6,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 
 #include "core/geometry.h"
@@ -30,10 +29,15 @@ struct NodeKey {
   NodeKey Up(int levels) const { return {x >> levels, y >> levels, z >> levels}; }
 };
 
+/// std::floor calls a function on x86-64 without SSE4.1. @pre |v| < 2^31.
+inline int32_t FloorToInt(double v) {
+  const auto towards_zero = static_cast<int32_t>(v);
+  return towards_zero - (v < towards_zero);
+}
+
 inline NodeKey VoxelKeyAt(const core::Vec3& p, double inverse_resolution) {
-  return {static_cast<int32_t>(std::floor(p.x() * inverse_resolution)),
-          static_cast<int32_t>(std::floor(p.y() * inverse_resolution)),
-          static_cast<int32_t>(std::floor(p.z() * inverse_resolution))};
+  return {FloorToInt(p.x() * inverse_resolution), FloorToInt(p.y() * inverse_resolution),
+          FloorToInt(p.z() * inverse_resolution)};
 }
 
 /// Spreads the low 21 bits of `v`, two zeros between neighbours.
@@ -75,8 +79,8 @@ constexpr NodeKey ChunkKeyOf(uint64_t code) {
 /// Index in [0, 512) of a block in its chunk: Morton order, so the 8 (64) blocks of a level 4 (5) node are
 /// neighbours.
 constexpr int BlockIndex(int bx, int by, int bz) {
-  return static_cast<int>(MortonCode(static_cast<uint32_t>(bx & 7), static_cast<uint32_t>(by & 7),
-                                     static_cast<uint32_t>(bz & 7)));
+  constexpr uint8_t kSpread[8] = {0, 1, 8, 9, 64, 65, 72, 73};
+  return kSpread[bx & 7] | kSpread[by & 7] << 1 | kSpread[bz & 7] << 2;
 }
 /// Block coordinates in [0, 8) of an index.
 constexpr NodeKey BlockOffset(int block) {

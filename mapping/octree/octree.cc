@@ -93,28 +93,15 @@ Octree<Field> Octree<Field>::Clone() const {
 }
 
 template <typename Field>
-const typename Octree<Field>::Chunk* Octree<Field>::Find(const NodeKey& chunk) const {
-  const auto found = chunks_.find(ChunkCode(chunk));
-  return found == chunks_.end() ? nullptr : found->second;
-}
-
-template <typename Field>
-typename Octree<Field>::Chunk* Octree<Field>::Find(const NodeKey& chunk) {
-  const auto found = chunks_.find(ChunkCode(chunk));
-  return found == chunks_.end() ? nullptr : found->second;
-}
-
-template <typename Field>
 typename Octree<Field>::Chunk* Octree<Field>::FindOrCreate(const NodeKey& chunk) {
-  Chunk*& slot = chunks_[ChunkCode(chunk)];
-  if (slot == nullptr) {
-    const uint32_t cell = chunk_pool_->Allocate(0);
-    slot = new (&(*chunk_pool_)[cell]) Chunk();
-    slot->cell = cell;
-    slot->key = chunk;
-    slot->uniform.Fill(Field::Unknown());
-  }
-  return slot;
+  if (Chunk* const found = chunks_.Find(chunk)) return found;
+  const uint32_t cell = chunk_pool_->Allocate(0);
+  Chunk* const created = new (&(*chunk_pool_)[cell]) Chunk();
+  created->cell = cell;
+  created->key = chunk;
+  created->uniform.Fill(Field::Unknown());
+  chunks_.Insert(chunk, created);
+  return created;
 }
 
 template <typename Field>
@@ -127,14 +114,14 @@ void Octree<Field>::Erase(const NodeKey& key, int worker) {
              [&](int block) { coarse_->Free(chunk->detail->leaf[static_cast<size_t>(block)], worker); });
   if (chunk->detail != nullptr) details_->Free(chunk->detail_cell, worker);
   chunk_pool_->Free(chunk->cell, 0);
-  chunks_.erase(ChunkCode(key));
+  chunks_.Erase(key);
 }
 
 template <typename Field>
 std::vector<const typename Octree<Field>::Chunk*> Octree<Field>::Chunks() const {
   std::vector<std::pair<uint64_t, const Chunk*>> order;
   order.reserve(chunks_.size());
-  for (const auto& [code, chunk] : chunks_) order.emplace_back(code, chunk);
+  chunks_.ForEach([&](const Chunk* chunk) { order.emplace_back(ChunkCode(chunk->key), chunk); });
   std::sort(order.begin(), order.end());
   std::vector<const Chunk*> chunks;
   chunks.reserve(order.size());
@@ -281,9 +268,9 @@ void Octree<Field>::CollapseEqual(Chunk* chunk, const BlockMask& which, int work
 template <typename Field>
 std::vector<std::pair<NodeKey, BlockMask>> Octree<Field>::TakeChanges() {
   std::vector<std::pair<uint64_t, Chunk*>> order;
-  for (const auto& [code, chunk] : chunks_) {
-    if (chunk->dirty.Any()) order.emplace_back(code, chunk);
-  }
+  chunks_.ForEach([&](Chunk* chunk) {
+    if (chunk->dirty.Any()) order.emplace_back(ChunkCode(chunk->key), chunk);
+  });
   std::sort(order.begin(), order.end());
   std::vector<std::pair<NodeKey, BlockMask>> changes;
   changes.reserve(order.size());
@@ -303,23 +290,22 @@ void Octree<Field>::SetWorkers(int workers) {
 
 template <typename Field>
 size_t Octree<Field>::Bytes() const {
-  constexpr size_t kTableEntry = 4 * sizeof(void*);  // bucket, node, code, pointer
-  size_t bytes = sizeof(*this) + chunks_.size() * (sizeof(Chunk) + kTableEntry);
-  for (const auto& [code, chunk] : chunks_) {
+  size_t bytes = sizeof(*this) + chunks_.Bytes() + chunks_.size() * sizeof(Chunk);
+  chunks_.ForEach([&](const Chunk* chunk) {
     if (chunk->detail) bytes += sizeof(typename Chunk::Detail);
-  }
+  });
   return bytes + fine_->in_use() * sizeof(FineLeaf) + coarse_->in_use() * sizeof(CoarseLeaf);
 }
 
 template <typename Field>
 typename Octree<Field>::Counts Octree<Field>::Count() const {
   Counts counts{chunks_.size(), fine_->in_use(), coarse_->in_use(), 0};
-  for (const auto& [code, chunk] : chunks_) {
+  chunks_.ForEach([&](const Chunk* chunk) {
     for (int block = 0; block < kChunkBlocks; ++block) {
       if (chunk->Kind(block) != BlockKind::kUniform) continue;
       counts.uniform_known += Field::Known(chunk->uniform.Get(block));
     }
-  }
+  });
   return counts;
 }
 

@@ -1,6 +1,6 @@
 // The multi-resolution octree of SE-Atlas (thesis 4.5; supereight, Vespa et al.).
 //
-// Roots are chunks of 64^3 voxels in a hash table by Morton code. A chunk holds 512 blocks in Morton order; a
+// Roots are chunks of 64^3 voxels in a hash table. A chunk holds 512 blocks in Morton order; a
 // block is uniform (one value for its 512 voxels), coarse (64 cells of 2 x 2 x 2) or fine (512 voxels, x
 // fastest), so free space costs a byte a block and surfaces a leaf. Nodes at levels 3 to 6 (block to chunk)
 // know what lies below them (`Field::Node`: maximum occupancy and observed state, or mean distance and
@@ -11,9 +11,9 @@
 #pragma once
 
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
+#include "mapping/octree/chunk_table.h"
 #include "mapping/octree/fields.h"
 #include "mapping/octree/morton.h"
 #include "mapping/octree/slab_pool.h"
@@ -87,8 +87,8 @@ class Octree {
   }
 
   // --- Structure
-  const Chunk* Find(const NodeKey& chunk) const;
-  Chunk* Find(const NodeKey& chunk);
+  const Chunk* Find(const NodeKey& chunk) const { return chunks_.Find(chunk); }
+  Chunk* Find(const NodeKey& chunk) { return chunks_.Find(chunk); }
   Chunk* FindOrCreate(const NodeKey& chunk);
   void Erase(const NodeKey& chunk, int worker = 0);
   size_t chunk_count() const { return chunks_.size(); }
@@ -152,7 +152,7 @@ class Octree {
   using DetailPool = SlabPool<typename Chunk::Detail, kChunkSlabBits>;
 
   double resolution_m_, inverse_resolution_;
-  std::unordered_map<uint64_t, Chunk*> chunks_;
+  ChunkTable<Chunk> chunks_;
   std::unique_ptr<ChunkPool> chunk_pool_;
   std::unique_ptr<DetailPool> details_;
   std::unique_ptr<SlabPool<FineLeaf>> fine_;

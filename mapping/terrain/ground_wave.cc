@@ -6,88 +6,19 @@
 #include <set>
 #include <utility>
 
+#include "mapping/terrain/cell_reading.h"
+
 namespace atlas::mapping::terrain {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr uint16_t kMinSupport = 2;           ///< a single return may be noise ...
-constexpr float kSingleReturnGate_m = 0.06f;  ///< ... unless it lies where ground is expected
-
-bool IsTall(const Layer& layer) {
-  return layer.hi_m - layer.lo_m > kTall_m;
-}
-float SurfaceOf(const Layer& layer) {
-  return IsTall(layer) ? layer.lo_m : layer.mean_m;
-}
-
-struct Reading {
-  CellKind kind = CellKind::kUnseen;
-  float height_m = kNaN;
-  uint16_t support = 0;
-  bool blocked = false;
-};
-
-/// The highest well supported surface up to a step above `reference`; else the nearest within the link.
-const Layer* FindSurface(const WaveParams& params, const LayeredCell& cell, float reference) {
-  uint16_t strongest = 0;
-  for (const Layer& layer : cell.layer) {
-    if (layer.count > strongest && std::abs(SurfaceOf(layer) - reference) <= params.link_m)
-      strongest = layer.count;
-  }
-  if (strongest == 0) return nullptr;
-  const Layer* highest = nullptr;
-  const Layer* nearest = nullptr;
-  for (const Layer& layer : cell.layer) {
-    const float above = SurfaceOf(layer) - reference;
-    const bool single = layer.count == 1 && std::abs(above) <= kSingleReturnGate_m && strongest == 1;
-    if (layer.count == 0 || std::abs(above) > params.link_m || (layer.count < kMinSupport && !single))
-      continue;
-    if (above <= params.step_m && layer.count * 4 >= strongest &&
-        (highest == nullptr || SurfaceOf(layer) > SurfaceOf(*highest))) {
-      highest = &layer;
-    }
-    if (nearest == nullptr || std::abs(above) < std::abs(SurfaceOf(*nearest) - reference)) nearest = &layer;
-  }
-  return highest != nullptr ? highest : nearest;
-}
-
-Reading ReadGround(const WaveParams& params, const LayeredCell& cell, const Layer& surface) {
-  Reading reading{CellKind::kGround, SurfaceOf(surface), surface.count, false};
-  const float low = reading.height_m + params.step_m, high = reading.height_m + params.headroom_m;
-  for (const Layer& layer : cell.layer) {
-    if (layer.count < kMinSupport || (&layer == &surface && !IsTall(layer))) continue;
-    if (layer.hi_m > low && layer.lo_m < high) reading.blocked = true;
-  }
-  return reading;
-}
-
-/// A cell without ground: something in the way, a floor far below, or nothing.
-Reading ReadOther(const WaveParams& params, const LayeredCell& cell, float reference) {
-  Reading reading;
-  for (const Layer& layer : cell.layer) {
-    if (layer.count < kMinSupport) continue;
-    const bool in_the_way =
-        layer.hi_m > reference + params.link_m && layer.lo_m < reference + params.headroom_m;
-    if (in_the_way && (reading.kind != CellKind::kObstacle || layer.hi_m < reading.height_m)) {
-      reading = {CellKind::kObstacle, layer.hi_m, layer.count, true};
-    } else if (reading.kind != CellKind::kObstacle && layer.hi_m < reference - params.link_m &&
-               (reading.kind == CellKind::kUnseen || layer.mean_m > reading.height_m)) {
-      reading = {CellKind::kBelow, layer.mean_m, 0, false};
-    }
-  }
-  return reading;
-}
-
-Reading ReadCell(const WaveParams& params, const LayeredCell& cell, float reference) {
-  if (const Layer* surface = FindSurface(params, cell, reference)) return ReadGround(params, cell, *surface);
-  return ReadOther(params, cell, reference);
-}
-
 constexpr int kBeside = 5;      ///< cells: ground declared this near to a seen hole is in doubt
 constexpr int kHoleRadius = 2;  ///< cells: half side of the square that a hole is told from a grating by
 constexpr int kHoleCrossings =
     30;  ///< rays through it, at least: bars that stop one in four would have shown
 constexpr int kRaysPerReturn = 10;  ///< of the rays that meet a grating, at most, for one that its bars stop
+
+constexpr float kGentle_m = 0.05f;  ///< from cell to cell: a hull's side is steeper
 
 /// Seeds of another level, at least: a way narrower than half the robot leads nowhere.
 constexpr size_t kLeastSeeds = 8;
@@ -95,6 +26,10 @@ constexpr size_t kLeastSeeds = 8;
 /// Cells of a level on which a robot fits and which no other has, at least (0.16 m^2): the edge of a step and
 /// the underside of a slab are no floors.
 constexpr int kLeastNew = 100;
+
+/// Ground that differs by more than a step and noise from ground so many cells beside it is steep.
+constexpr int kSteepCells = 2;
+constexpr float kSteep = 1.25f;  ///< of a step
 
 /// Ground of this height was linked to, in a cell that the wave holds at another.
 struct Seed {
@@ -121,30 +56,44 @@ class Wave {
     const size_t i = image_.Index(row, col);
     Node& node = nodes_[i];
     if (image_.kind[i] == CellKind::kGround) {
-      if (from_clear_ && IsOther(node, reference)) seeds_.push_back({row, col, reference});
+      if (from_walked_) Meet(row, col, reference);
       return;
     }
     const bool first = std::isnan(node.reference_m);
     if (!first && !over_ground_) return;
     const Reading reading = Read(node, row, col, reference);
     if (!first && reading.kind != CellKind::kGround) return;
+    if (gently_ && reading.kind == CellKind::kGround && std::abs(reading.height_m - reference) > kGentle_m) {
+      steep_.push_back({{row, col, reference}, from_walked_});
+      return;
+    }
     image_.kind[i] = reading.kind;
     node.reading = reading;
+    Walk(row, col, &node);
     node.reference_m = reading.kind == CellKind::kGround ? reading.height_m : reference;
     (reading.kind == CellKind::kGround ? ground_ : other_).push_back({row, col});
   }
 
-  /// Linked ground first; then, a cell at a time, across what is not ground.
+  /// Linked ground first, and of it what goes on gently, so that ground beneath a hull is taken before the
+  /// hull's side is; then, a cell at a time, across what is not ground.
   void Spread() {
-    size_t next_ground = 0, next_other = 0;
-    while (next_ground < ground_.size() || next_other < other_.size()) {
-      over_ground_ = next_ground < ground_.size();
+    size_t next_ground = 0, next_steep = 0, next_other = 0;
+    while (next_ground < ground_.size() || next_steep < steep_.size() || next_other < other_.size()) {
+      over_ground_ = next_ground < ground_.size() || next_steep < steep_.size();
+      if (next_ground == ground_.size() && over_ground_) {
+        const Steep link = steep_[next_steep++];
+        from_walked_ = link.from_walked;
+        gently_ = false;
+        Reach(link.to.row, link.to.col, link.to.reference_m);
+        gently_ = true;
+        continue;
+      }
       const auto [row, col] = over_ground_ ? ground_[next_ground++] : other_[next_other++];
       const size_t i = image_.Index(row, col);
       if (!over_ground_ && image_.kind[i] == CellKind::kGround) continue;
       const float reference = nodes_[i].reference_m;
-      from_clear_ = over_ground_ && !nodes_[i].reading.blocked;
-      if (over_ground_ && !from_clear_ && !crossed_) continue;
+      from_walked_ = over_ground_ && nodes_[i].walked;
+      if (over_ground_ && nodes_[i].reading.blocked && !crossed_) continue;
       if (col > 0) Reach(row, col - 1, reference);
       if (col + 1 < image_.side) Reach(row, col + 1, reference);
       if (row > 0) Reach(row - 1, col, reference);
@@ -154,6 +103,7 @@ class Wave {
 
   /// Where ground at another height may go on.
   const std::vector<Seed>& seeds() const { return seeds_; }
+  bool walked(size_t i) const { return nodes_[i].walked; }
 
   void Publish() const {
     for (size_t i = 0; i < nodes_.size(); ++i) {
@@ -169,19 +119,57 @@ class Wave {
   struct Place {
     int row, col;
   };
+  struct Steep {
+    Seed to;
+    bool from_walked;
+  };
   struct Node {
     Reading reading;
     float reference_m = kNaN;
     float mean_m = kNaN;
     uint16_t count = 0;
+    bool walked = false;
     Gist gist = Gist::kEmpty;
   };
 
-  /// Whether ground linked at this height is another floor than what the cell holds: a robot fits between
-  /// them, or it is what blocks the lower one (the first metres of a ramp).
-  bool IsOther(const Node& node, float reference) const {
-    const float above = reference - node.reference_m;
-    return std::abs(above) > params_.headroom_m || (above > params_.step_m && node.reading.blocked);
+  /// Whether feet get to a node as the wave did, or does now: over clear ground, nowhere as steep as the side
+  /// of a hull.
+  bool Walk(int row, int col, Node* node) const {
+    node->walked = from_walked_ && node->reading.kind == CellKind::kGround && !node->reading.blocked &&
+                   !IsSteep(row, col, node->reading.height_m);
+    return node->walked;
+  }
+  /// Whether the surface that goes on from a cell rises or falls by more than a step close by.
+  bool IsSteep(int row, int col, float height_m) const {
+    constexpr int kAside[4][2] = {{-kSteepCells, 0}, {kSteepCells, 0}, {0, -kSteepCells}, {0, kSteepCells}};
+    for (const auto& [down, right] : kAside) {
+      const int r = row + down, c = col + right;
+      if (r < 0 || c < 0 || r >= image_.side || c >= image_.side) continue;
+      const Node& beside = nodes_[image_.Index(r, c)];
+      if (beside.gist != Gist::kPlain && beside.gist != Gist::kComplex) continue;
+      const Reading reading = Read(beside, r, c, height_m);
+      if (reading.kind == CellKind::kGround &&
+          std::abs(reading.height_m - height_m) > kSteep * params_.step_m)
+        return true;
+    }
+    return false;
+  }
+
+  /// Ground at this height, where feet get, is next to a cell that the wave holds already: at another height
+  /// it is another floor, if a robot fits between them, or if it is what blocks the lower one (the first
+  /// metres of a ramp); at the same, feet get there too.
+  void Meet(int row, int col, float reference) {
+    Node& node = nodes_[image_.Index(row, col)];
+    if (std::abs(reference - node.reference_m) > params_.headroom_m) {
+      seeds_.push_back({row, col, reference});
+    } else if (node.reading.blocked) {
+      const Reading other = Read(node, row, col, reference);
+      const bool above = other.height_m - node.reading.height_m > params_.step_m;
+      if (above && other.kind == CellKind::kGround) seeds_.push_back({row, col, other.height_m});
+    } else if (!node.walked && std::abs(node.reading.height_m - reference) <= params_.link_m &&
+               Walk(row, col, &node)) {
+      ground_.push_back({row, col});
+    }
   }
 
   void Gather(int row, int col) {
@@ -259,9 +247,12 @@ class Wave {
   GroundImage& image_;
   std::vector<Node> nodes_;
   std::vector<Place> ground_, other_;
+  std::vector<Steep> steep_;
   std::vector<Seed> seeds_;
   bool over_ground_ = true;
-  bool from_clear_ = false;  ///< another floor is where a robot fits: none leads along a slab's underside
+  bool gently_ = true;  ///< steep links wait
+  /// Another floor is where a robot gets: not along the underside of a slab, nor over a hull.
+  bool from_walked_ = true;
 };
 
 GroundImage EmptyImage(const GroundImage& where) {
@@ -318,7 +309,7 @@ class LevelSearch {
       Wave wave(params_, grid_, false, &levels_.back());
       for (const Seed& seed : from) wave.Reach(seed.row, seed.col, seed.reference_m);
       Finish(&wave);
-      if (HoldsNewGround()) {
+      if (HoldsNewGround(wave)) {
         Keep(wave.seeds());
         return true;
       }
@@ -342,8 +333,8 @@ class LevelSearch {
              std::abs(level.height_m[i] - seed.reference_m) <= params_.step_m;
     });
   }
-  /// The latest level: ground that no level before it has.
-  bool HoldsNewGround() const {
+  /// The latest level, of that wave: ground that no level before it has, and that can be walked on.
+  bool HoldsNewGround(const Wave& wave) const {
     const GroundImage& latest = levels_.back();
     const auto holds = [&](const GroundImage& other, size_t i) {
       return other.kind[i] == CellKind::kGround &&
@@ -351,7 +342,7 @@ class LevelSearch {
     };
     int cells = 0;
     for (size_t i = 0; i < latest.kind.size() && cells < kLeastNew; ++i) {
-      if (latest.kind[i] != CellKind::kGround || latest.blocked[i]) continue;
+      if (!wave.walked(i)) continue;
       cells += std::none_of(levels_.begin(), levels_.end() - 1,
                             [&](const GroundImage& other) { return holds(other, i); });
     }

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
+#include <vector>
 
 #include "tests/support/random_octree.h"
 
@@ -40,6 +43,33 @@ TEST(Morton, KeysFloorTowardsMinusInfinity) {
     const int x = i & 7, y = i >> 3 & 7, z = i >> 6;
     EXPECT_EQ(VoxelIndex(x - 8, y + 16, z), i);
     EXPECT_EQ(CellOfVoxel(i), x / 2 + 4 * (y / 2) + 16 * (z / 2));
+  }
+}
+
+TEST(ChunkTable, HoldsWhatAPlainMapHolds) {
+  core::Rng rng(3);
+  ChunkTable<const int> table;
+  std::map<std::array<int, 3>, const int*> plain;
+  const std::vector<int> targets(1000);
+  for (int step = 0; step < 20000; ++step) {
+    const auto draw = [&] { return rng.UniformInt(12) - 6; };
+    const int x = draw(), y = draw(), z = draw();
+    const NodeKey key{x, y, z};
+    if (plain.contains({x, y, z})) {
+      table.Erase(key);
+      plain.erase({x, y, z});
+    } else {
+      const int* const target = &targets[static_cast<size_t>(step) % targets.size()];
+      table.Insert(key, target);
+      plain[{x, y, z}] = target;
+    }
+    ASSERT_EQ(table.size(), plain.size());
+    if (step % 500 != 0) continue;
+    for (int i = 0; i < 12 * 12 * 12; ++i) {
+      const std::array<int, 3> at{i % 12 - 6, i / 12 % 12 - 6, i / 144 - 6};
+      const auto found = plain.find(at);
+      ASSERT_EQ(table.Find({at[0], at[1], at[2]}), found == plain.end() ? nullptr : found->second);
+    }
   }
 }
 
