@@ -13,12 +13,16 @@
 
 namespace atlas::mapping {
 
+struct SavedAtlas;
+
 /// What a map is made for.
 struct MapSetup {
   std::optional<core::LidarModel> lidar = {};  ///< that the spins come from; absent where that is not known
   /// Nothing is kept outside; absent: all is kept.
   std::optional<core::Box3> keep_map = {};
   bool behind_surface = false;  ///< keep how far behind a hit unmeasured voxels lie (proximity count)
+  /// `atlas`: goes on from this, whose keyframes come before all others; null: begins empty.
+  std::shared_ptr<const SavedAtlas> earlier = {};
 };
 
 /// A rigid part of a map, and the keyframes whose revolutions it holds.

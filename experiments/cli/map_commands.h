@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,9 @@ std::vector<core::ParamRow> ExplainMap(const MapArguments& arguments);
 struct SlamArguments {
   mapping::RecordedLogOptions log;
   std::filesystem::path odometry;  ///< TUM: the user's own; empty: none
+  std::filesystem::path earlier;   ///< the atlas to go on from, or the folder of its run; empty: none
   std::string no_return = "dropout";
-  double resolution_m = 0.1;
+  std::optional<double> resolution_m;  ///< absent: as the earlier atlas has it, else 0.1
   double max_range_m = 60.0;
   size_t limit = 0;  ///< the first so many scans; 0: all
   int threads = 2;

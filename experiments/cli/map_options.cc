@@ -65,6 +65,9 @@ void AddSlam(CLI::App* app, int threads, Action* action) {
       "--odometry", a->odometry,
       "TUM file: the user's own odometry, on which scans are matched (default: from scans alone)");
   slam->add_option("--calib", a->log.calibration, "the LiDAR in the frame of --odometry");
+  slam->add_option("--continue", a->earlier,
+                   "atlas (or folder that holds it) of an earlier atlas slam: the log is found in it by its "
+                   "looks, and goes on in its frame");
   slam->add_option(
       "--lidar", a->log.lidar,
       "beams of organised clouds: auto, estimate, none, vlp16, os1_64, os0_64 or Ouster FILE.json");

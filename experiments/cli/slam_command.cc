@@ -15,6 +15,8 @@
 #include "experiments/mapping_tools/offline_slam.h"
 #include "experiments/report/text_table.h"
 #include "experiments/results/run_folder.h"
+#include "mapping/atlas/saved_atlas.h"
+#include "mapping/atlas/saved_slam.h"
 #include "mapping/io/recorded_poses.h"
 
 namespace atlas::experiments {
@@ -24,7 +26,8 @@ namespace fs = std::filesystem;
 
 OfflineSlamParams SlamParamsOf(const SlamArguments& arguments) {
   OfflineSlamParams params;
-  params.mapper.resolution_m = arguments.resolution_m;
+  params.mapper.resolution_m = arguments.resolution_m.value_or(
+      arguments.earlier.empty() ? 0.1 : mapping::ResolutionOfAtlas(arguments.earlier));
   params.mapper.integrator = mapping::IntegratorParams{};
   params.mapper.integrator.max_range_m = arguments.max_range_m;
   params.mapper.integrator.threads = arguments.threads;
@@ -90,7 +93,8 @@ void Follow(const SlamArguments& arguments, const mapping::RecordedLog& log,
   try {
     double before_s = -1e300;
     for (size_t i = 0; i < count && !(outcome->interrupted = Interrupted()); ++i) {
-      bar.Show(i, fmt::format("{:.0f} m, {} loops, {:.0f} MB", slam->way_m(), slam->loops(),
+      bar.Show(i, fmt::format("{:.0f} m, {}{} loops, {:.0f} MB", slam->way_m(),
+                              slam->located() ? "" : "not recognised yet, ", slam->loops(),
                               static_cast<double>(slam->map().Bytes()) / 1e6));
       core::SpinEvent spin = log.Read(i);
       if (spin.scan.stamp_s <= before_s)
@@ -141,7 +145,7 @@ void WriteSlam(const SlamArguments& arguments, const OfflineSlam& slam, const fs
   bar.Show(2, "mesh");
   core::WritePly(folder / "mesh.ply", slam.Mesh(arguments.threads));
   bar.Show(3, "atlas");
-  slam.map().Save(folder);
+  slam.Save(folder);
   bar.Finish(folder.string());
 }
 
@@ -189,6 +193,18 @@ void WriteSlamSummary(const fs::path& folder, const mapping::RecordedLog& log, c
   core::WriteFileAtomically(folder / "summary.json", json.dump(2, ' ', false, kReplace) + "\n");
 }
 
+/// The atlas itself, or the one in what `atlas slam` and `atlas run` write.
+fs::path AtlasIn(const fs::path& folder) {
+  for (const fs::path& atlas : {folder, folder / "atlas"}) {
+    if (!mapping::IsAtlasFolder(atlas)) continue;
+    std::error_code error;
+    if (fs::exists(mapping::SlamFolderOf(atlas), error)) return atlas;
+    throw core::InputError(fmt::format(
+        "{}: no folder slam: only an atlas whose keyframes slam placed can be gone on with", atlas.string()));
+  }
+  throw core::InputError(fmt::format("{}: no saved atlas there", folder.string()));
+}
+
 fs::path SlamFolder(const SlamArguments& arguments) {
   if (!arguments.out.empty()) return arguments.out;
   const fs::path path = fs::path(arguments.log.scans).lexically_normal();
@@ -198,8 +214,10 @@ fs::path SlamFolder(const SlamArguments& arguments) {
 
 }  // namespace
 
-int SlamCommand(const SlamArguments& arguments) {
+int SlamCommand(const SlamArguments& given) {
   EndAtOnceOnSignal();
+  SlamArguments arguments = given;
+  if (!arguments.earlier.empty()) arguments.earlier = AtlasIn(arguments.earlier);
   const OfflineSlamParams params = SlamParamsOf(arguments);
   mapping::RecordedLogOptions options = arguments.log;
   options.no_return = arguments.no_return == "void" ? core::ReturnKind::kVoid : core::ReturnKind::kDropout;
@@ -220,7 +238,7 @@ int SlamCommand(const SlamArguments& arguments) {
   std::cout << core::Printable(log.Describe()) << std::endl;
   std::optional<core::LidarModel> lidar;
   if (log.beams()) lidar = log.beams()->model;
-  OfflineSlam slam(params, lidar);
+  OfflineSlam slam(params, lidar, arguments.earlier);
   StopInOrderOnSignal();
   SlamOutcome outcome;
   Follow(arguments, log, odometry, &slam, &outcome);

@@ -1,17 +1,38 @@
 #include "experiments/mapping_tools/offline_slam.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "core/errors.h"
 #include "mapping/atlas/saved_atlas.h"
+#include "mapping/atlas/saved_slam.h"
 #include "mapping/meshing/marching_cubes.h"
 #include "mapping/slam/graph_covariance.h"
 #include "mapping/slam/lidar_front_end.h"
 
 namespace atlas::experiments {
 
+namespace fs = std::filesystem;
 using core::Mat6;
 using core::Pose;
+
+namespace {
+
+/// Every keyframe of the atlas is a node of the graph.
+void CheckFit(const fs::path& folder, const mapping::SavedAtlas& atlas, const mapping::SlamMemory& memory) {
+  for (const mapping::SavedSubmap& submap : atlas.submaps) {
+    for (const mapping::HeldKeyframe& held : submap.keyframes) {
+      if (held.sensor.keyframe < memory.graph.size() && submap.root < memory.graph.size()) continue;
+      throw core::InputError(fmt::format("{}: keyframe {} of submap {}, must be below {} (slam/graph.g2o)",
+                                         (folder / "keyframes.csv").string(), held.sensor.keyframe, submap.id,
+                                         memory.graph.size()));
+    }
+  }
+}
+
+}  // namespace
 
 void OfflineSlamParams::Visit(core::ParamVisitor& v) {
   v.Section("lidar_odometry", &lidar_odometry);
@@ -20,8 +41,16 @@ void OfflineSlamParams::Visit(core::ParamVisitor& v) {
 }
 
 struct OfflineSlam::Impl {
-  Impl(const OfflineSlamParams& p, const std::optional<core::LidarModel>& lidar)
+  Impl(const OfflineSlamParams& p, const std::optional<core::LidarModel>& lidar, const fs::path& earlier)
       : params(p), odometry(p.lidar_odometry) {
+    std::shared_ptr<const mapping::SlamMemory> memory;
+    std::shared_ptr<const mapping::SavedAtlas> atlas;
+    if (!earlier.empty()) {
+      atlas = std::make_shared<const mapping::SavedAtlas>(mapping::LoadAtlas(earlier));
+      memory = std::make_shared<const mapping::SlamMemory>(
+          mapping::LoadSlamMemory(mapping::SlamFolderOf(earlier)));
+      CheckFit(earlier, *atlas, *memory);
+    }
     mapping::LocalisationParams localisation;
     localisation.name = "slam";
     localisation.slam = p.slam;
@@ -31,8 +60,9 @@ struct OfflineSlam::Impl {
       return motion.Take(Pose::Identity(), edge_m, params.lidar_odometry.edge_floor_m,
                          params.lidar_odometry.edge_floor_deg);
     };
+    start.earlier = std::move(memory);
     localiser = mapping::MakeLocaliser(localisation, start, core::Rng(1));
-    map = mapping::MakeMap(p.mapper, {.lidar = lidar});
+    map = mapping::MakeMap(p.mapper, {.lidar = lidar, .earlier = std::move(atlas)});
   }
 
   OfflineSlamParams params;
@@ -48,8 +78,27 @@ struct OfflineSlam::Impl {
   std::optional<core::StampedPose> last;  ///< T_odom_lidar at the end of the last scan
   mapping::OdometryHealth health;
   double way_m = 0.0;
-  uint64_t version = 0;  ///< of the graph whose loops were counted
+  std::vector<core::AnchoredSpin> waiting;  ///< until it is known where they lie
+  uint64_t version = 0;                     ///< of the graph whose loops were counted
   size_t loops = 0;
+
+  /// Scans go to the map once it is known where they lie in it.
+  void Integrate(core::AnchoredSpin spin) {
+    constexpr size_t kMostWaiting = 2000;
+    waiting.push_back(std::move(spin));
+    if (!localiser->located() && waiting.size() < kMostWaiting) return;
+    IntegrateWaiting();
+  }
+  void IntegrateWaiting() {
+    if (!localiser->located()) {
+      throw core::InputError(fmt::format(
+          "the session was not recognised in the atlas to go on from, after {} scans and {:.1f} m: begin "
+          "where the earlier one has been",
+          waiting.size(), way_m));
+    }
+    for (const core::AnchoredSpin& spin : std::exchange(waiting, {}))
+      map->Integrate(spin, *localiser->poses());
+  }
 
   void CountLoops() {
     if (std::exchange(version, localiser->poses()->version()) == localiser->poses()->version()) return;
@@ -60,8 +109,9 @@ struct OfflineSlam::Impl {
   }
 };
 
-OfflineSlam::OfflineSlam(const OfflineSlamParams& params, const std::optional<core::LidarModel>& lidar)
-    : impl_(std::make_unique<Impl>(params, lidar)) {}
+OfflineSlam::OfflineSlam(const OfflineSlamParams& params, const std::optional<core::LidarModel>& lidar,
+                         const fs::path& earlier)
+    : impl_(std::make_unique<Impl>(params, lidar, earlier)) {}
 OfflineSlam::~OfflineSlam() = default;
 
 void OfflineSlam::Add(core::LidarScan scan, const std::optional<core::PoseTrajectory>& T_prior_lidar) {
@@ -98,13 +148,24 @@ void OfflineSlam::Add(core::LidarScan scan, const std::optional<core::PoseTrajec
   const core::AnchoredSpin anchored = m.localiser->Place(std::move(spin));
   m.placed.push_back({time_s, {anchored.keyframe, anchored.T_keyframe_odom * T_odom_stamp}});
   m.CountLoops();
-  m.map->Integrate(anchored, *m.localiser->poses());
+  m.Integrate(anchored);
 }
 
 void OfflineSlam::Settle() {
   impl_->localiser->Settle();
   impl_->CountLoops();
+  impl_->IntegrateWaiting();
   impl_->map->Correct(*impl_->localiser->poses());
+}
+
+bool OfflineSlam::located() const {
+  return impl_->localiser->located();
+}
+
+void OfflineSlam::Save(const fs::path& folder) const {
+  const fs::path atlas = folder / impl_->map->Save(folder);
+  const auto memory = impl_->localiser->Memory();
+  if (memory && !memory->graph.edges.empty()) mapping::WriteSlamMemory(mapping::SlamFolderOf(atlas), *memory);
 }
 
 const mapping::OdometryHealth& OfflineSlam::health() const {

@@ -38,7 +38,10 @@ struct SlamPose {
 class OfflineSlam {
  public:
   /// @param lidar  the beams of organised scans; none: scans are cast ray by ray.
-  OfflineSlam(const OfflineSlamParams& params, const std::optional<core::LidarModel>& lidar);
+  /// @param earlier  the folder of a saved atlas to go on from; empty: none.
+  /// @throws InputError where that is damaged, or remembers no way.
+  OfflineSlam(const OfflineSlamParams& params, const std::optional<core::LidarModel>& lidar,
+              const std::filesystem::path& earlier = {});
   ~OfflineSlam();
 
   /// The next scan in time. `T_prior_lidar` is the user's own odometry while the scan lasted; none: the last
@@ -46,7 +49,11 @@ class OfflineSlam {
   void Add(core::LidarScan scan, const std::optional<core::PoseTrajectory>& T_prior_lidar);
 
   /// After the last scan: takes over the loops that are still being worked out.
+  /// @throws InputError where a session that goes on from another was never located in it.
   void Settle();
+  bool located() const;
+  /// The atlas, and what a later session goes on from.
+  void Save(const std::filesystem::path& folder) const;
   const mapping::OdometryHealth& health() const;
   size_t keyframes() const;
   size_t loops() const;  ///< accepted

@@ -8,6 +8,7 @@
 #include "experiments/mission/ending.h"
 #include "experiments/mission/map_pictures.h"
 #include "experiments/mission/mission.h"
+#include "experiments/mission/run_localiser.h"
 #include "experiments/results/run_folder.h"
 
 namespace atlas::experiments {
@@ -136,6 +137,7 @@ RunSummary RunClosedLoop(const ExperimentConfig& given, const RunOptions& option
   }
   FinishWithPictures(&mission);
   mission.metrics.Save(*mission.map);
+  SaveSession(options.folder, mission.localiser.get());
   const bool interrupted = ending.status == RunStatus::kInterrupted;
   if (!mission.film.Finish(!interrupted)) ending = {RunStatus::kInterrupted, StopReason::kSignal};
   return mission.metrics.Finish(ending.status, ending.reason);

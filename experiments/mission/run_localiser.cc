@@ -1,5 +1,7 @@
 #include "experiments/mission/run_localiser.h"
 
+#include "mapping/atlas/saved_atlas.h"
+#include "mapping/atlas/saved_slam.h"
 #include "mapping/slam/lidar_front_end.h"
 
 namespace atlas::experiments {
@@ -25,6 +27,14 @@ std::unique_ptr<mapping::Localiser> MakeLocaliserFor(const ExperimentConfig& con
   const bool matched = config.localisation.lidar && config.localisation.name != "truth";
   return matched ? mapping::PutLidarOdometryBefore(config.localisation, start, rng)
                  : mapping::MakeLocaliser(config.localisation, start, rng);
+}
+
+void SaveSession(const std::filesystem::path& folder, mapping::Localiser* localiser) {
+  const std::filesystem::path atlas = folder / "atlas";
+  if (!mapping::IsAtlasFolder(atlas)) return;
+  localiser->Settle();
+  const auto memory = localiser->Memory();
+  if (memory && !memory->graph.edges.empty()) mapping::WriteSlamMemory(mapping::SlamFolderOf(atlas), *memory);
 }
 
 }  // namespace atlas::experiments

@@ -1,6 +1,7 @@
 // The one place that hands the truth to a localiser: to `truth`, which every table names.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "experiments/identity/experiment_config.h"
@@ -18,5 +19,9 @@ std::unique_ptr<mapping::Localiser> MakeLocaliserFor(const ExperimentConfig& con
                                                      const scenes::SceneSpec& scene,
                                                      const sim::Simulator& simulator, int threads,
                                                      const core::Rng& rng);
+
+/// Settles the localiser and writes, beside the run's atlas, what a later session can go on from; nothing
+/// where there is no atlas, or the localiser remembers nothing.
+void SaveSession(const std::filesystem::path& folder, mapping::Localiser* localiser);
 
 }  // namespace atlas::experiments

@@ -1,9 +1,12 @@
 #include "mapping/atlas/atlas.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "core/errors.h"
 #include "mapping/cloud/undistort.h"
 #include "mapping/integrator/occupancy_states.h"
 
@@ -43,8 +46,36 @@ Atlas::Atlas(const AtlasParams& params, const AtlasSetup& setup)
     : params_(params),
       setup_(setup),
       pager_(std::make_shared<ContentsPager>(static_cast<size_t>(1e6 * params.memory_limit_mb))),
-      search_(params) {}
+      search_(params) {
+  if (setup_.map.earlier) GoOnFrom(*std::exchange(setup_.map.earlier, nullptr));
+}
 Atlas::~Atlas() = default;
+
+void Atlas::GoOnFrom(const SavedAtlas& earlier) {
+  if (earlier.resolution_m != setup_.resolution_m) {
+    throw core::InputError(fmt::format("mapper.resolution_m: {}, must be that of the atlas to go on from, {}",
+                                       setup_.resolution_m, earlier.resolution_m));
+  }
+  revolutions_ = earlier.submaps.size();
+  for (size_t i = 0; i < earlier.submaps.size(); ++i) {
+    const SavedSubmap& saved = earlier.submaps[i];
+    PagedContents contents(pager_, saved.contents->Get()->Clone());
+    auto submap = std::make_unique<Submap>(saved.id, saved.root, std::move(contents), params_.cloud_filter_m);
+    submap->T_map_submap = saved.T_map_submap;
+    submap->keyframes = saved.keyframes;
+    submap->overlap = saved.overlap;
+    submap->latest = revolutions_ - i;
+    if (!saved.clouds.empty()) submap->clouds.clear();
+    for (const SavedSubmap::Cloud& cloud : saved.clouds) {
+      submap->clouds.push_back({cloud.T_submap_cloud, OverlapCloud(params_.cloud_filter_m)});
+      submap->clouds.back().points.Add(cloud.points);
+    }
+    next_id_ = std::max(next_id_, saved.id + 1);
+    submaps_.push_back(std::move(submap));
+    pager_->Trim();
+  }
+  std::sort(submaps_.begin(), submaps_.end(), [](const auto& a, const auto& b) { return a->id < b->id; });
+}
 
 PagedContents Atlas::Empty() const {
   OctreeContents contents{OccupancyOctree(setup_.resolution_m), {}};

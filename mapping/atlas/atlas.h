@@ -34,6 +34,7 @@ struct AtlasSetup {
 
 class Atlas {
  public:
+  /// @throws InputError where what it goes on from has voxels of another size.
   Atlas(const AtlasParams& params, const AtlasSetup& setup);
   ~Atlas();
 
@@ -50,6 +51,7 @@ class Atlas {
   const ContentsPager& pager() const { return *pager_; }
 
  private:
+  void GoOnFrom(const SavedAtlas& earlier);
   std::vector<const Submap*> ByPrecedence() const;
   struct NewKeyframe;
   /// Gives a new keyframe to the submap in use, or to an older or a new one (thesis 4.7.1, 4.7.3).

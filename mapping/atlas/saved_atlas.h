@@ -55,6 +55,8 @@ void WriteAtlas(const std::filesystem::path& folder, const SavedAtlas& atlas);
 /// @throws InputError (one line: file, field, value, limit) where a file is missing, damaged or of a later
 /// format.
 SavedAtlas LoadAtlas(const std::filesystem::path& folder);
+/// Of its voxels, m. @throws InputError where its head is damaged.
+double ResolutionOfAtlas(const std::filesystem::path& folder);
 /// Whether the path is a folder that holds files.csv and submaps.csv, or one of the two.
 bool IsAtlasFolder(const std::filesystem::path& path);
 /// Whether a file of that name belongs to a saved atlas.

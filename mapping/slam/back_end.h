@@ -9,6 +9,7 @@
 
 #include "mapping/slam/loop_search.h"
 #include "mapping/slam/pose_graph_slam.h"
+#include "mapping/slam/slam_memory.h"
 
 namespace atlas::mapping {
 
@@ -25,11 +26,16 @@ struct SolvedNodes {
   uint64_t version = 0;
   bool full_pass_due = false;                     ///< a tenth of all loops have come since the last one
   std::shared_ptr<const PoseGraph> inliers = {};  ///< that the poses come from, as of `version`
+  bool located = true;                            ///< it is known where this session lies in the map
 };
 
+/// A session that goes on from what an earlier one remembers is located where two loops to it agree; until
+/// then its nodes lie to each other alone.
 class SlamBackEnd {
  public:
-  SlamBackEnd(const SlamParams& params, const core::Pose& T_map_first);
+  /// @param earlier  null: there is none, and the first node lies at T_map_first
+  SlamBackEnd(const SlamParams& params, const core::Pose& T_map_first,
+              const std::shared_ptr<const SlamMemory>& earlier = nullptr);
 
   /// Searches loops from the node; where one is found, all are solved for anew, fast.
   SolvedNodes Take(const FinishedNode& node);
@@ -37,14 +43,20 @@ class SlamBackEnd {
   SolvedNodes FullPass();
 
   const PoseGraphSlam& graph() const { return graph_; }
+  SlamMemory Memory() const { return {graph_.InlierGraph(), search_.Memory()}; }
 
  private:
   SolvedNodes Solved();
+  /// All loops found so far, once two of them agree; none before.
+  std::vector<Loop> Locate();
 
   SlamParams params_;
   PoseGraphSlam graph_;
   LoopSearch search_;
-  bool first_ = true;
+  core::Pose T_map_first_;
+  uint32_t begin_ = 0;  ///< the session's first node
+  bool first_ = true, located_ = true;
+  std::vector<Loop> waiting_;  ///< loops to an earlier session, while it is not located
   size_t loops_since_full_pass_ = 0, loops_ = 0;
   std::shared_ptr<const PoseGraph> inliers_;
   uint64_t inliers_version_ = 0;

@@ -97,6 +97,8 @@ class LidarFrontEnd final : public Localiser {
   Pose T_map_odom() const override { return localiser_->T_map_odom() * T_odom_prior_; }
   std::shared_ptr<const core::PoseSource> poses() const override { return localiser_->poses(); }
   void Settle() override { localiser_->Settle(); }
+  bool located() const override { return localiser_->located(); }
+  std::shared_ptr<const SlamMemory> Memory() const override { return localiser_->Memory(); }
   std::optional<PoseGraph> InlierGraph() const override { return localiser_->InlierGraph(); }
   std::optional<OdometryHealth> odometry_health() const override { return health_; }
 

@@ -15,6 +15,7 @@
 #include "core/sensor_events.h"
 #include "mapping/slam/lidar_odometry.h"
 #include "mapping/slam/pose_graph.h"
+#include "mapping/slam/slam_memory.h"
 #include "mapping/slam/slam_params.h"
 
 namespace atlas::mapping {
@@ -55,6 +56,11 @@ class Localiser {
   virtual std::optional<PoseGraph> InlierGraph() const { return std::nullopt; }
   /// Nothing without scan matching.
   virtual std::optional<OdometryHealth> odometry_health() const { return std::nullopt; }
+  /// Whether it is known where this session lies in the map: where it goes on from an earlier one, not before
+  /// the robot has recognised where it is. Until then poses of new keyframes tell how they lie to each other.
+  virtual bool located() const { return true; }
+  /// For a session that goes on from this one; call after Settle(). Null where nothing is remembered.
+  virtual std::shared_ptr<const SlamMemory> Memory() const { return nullptr; }
 };
 
 /// What a localiser starts from.
@@ -68,6 +74,9 @@ struct LocaliserStart {
   /// Covariance of odometry's motion, `way_m` long, since this was last called, of xi in T Exp(xi); empty
   /// where odometry does not tell.
   std::function<core::Mat6(double way_m)> edge_covariance = {};
+  /// `slam`: the session that this one goes on from, whose keyframes come before its own; null: there is
+  /// none.
+  std::shared_ptr<const SlamMemory> earlier = {};
 };
 
 struct LocaliserEntry {

@@ -87,7 +87,6 @@ bool Same(const Pose& T, const Pose& other, const LoopCheckParams& params) {
 }  // namespace
 
 RangeView::RangeView(std::span<const Vec3f> p_here) {
-  constexpr size_t kCells = static_cast<size_t>(kColumns) * kRows;
   constexpr float kMost = 65535.0f;
   std::vector<uint16_t> nearest(kCells, 0), farthest(kCells, 0);
   for (const Vec3f& p : p_here) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/geometry.h"
@@ -22,13 +23,20 @@ class RangeView {
 
   /// @param p_here undistorted returns in the frame of the sensor.
   explicit RangeView(std::span<const core::Vec3f> p_here);
+  /// Of what nearest() and farthest() told. @pre kCells each
+  RangeView(std::vector<uint16_t> nearest, std::vector<uint16_t> farthest)
+      : nearest_(std::move(nearest)), farthest_(std::move(farthest)) {}
   /// Of a point: in front of all that was seen about its direction by more than `margin_m`, behind all of it,
   /// or neither; unknown where nothing was seen.
   Sight Of(const core::Vec3f& p_here, float margin_m) const;
 
- private:
   static constexpr int kColumns = 360, kRows = 90;  ///< a degree by two
-  static constexpr float kUnit_m = 0.005f;          ///< of what is kept: a graph has a view a node
+  static constexpr size_t kCells = static_cast<size_t>(kColumns) * kRows;
+  const std::vector<uint16_t>& nearest() const { return nearest_; }
+  const std::vector<uint16_t>& farthest() const { return farthest_; }
+
+ private:
+  static constexpr float kUnit_m = 0.005f;  ///< of what is kept: a graph has a view a node
   static size_t CellOf(const core::Vec3f& p, float range_m);
   std::vector<uint16_t> nearest_, farthest_;  ///< of a cell and those around it, in units; 0: nothing seen
 };

@@ -1,7 +1,9 @@
 #include "mapping/slam/loop_search.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "mapping/slam/graph_covariance.h"
 
@@ -18,15 +20,6 @@ constexpr double kWidestGateM = 10.0;
 constexpr double kLeastEigenvalue = 0.004;
 /// Of estimates, however sure the graph is: registrations are no better.
 constexpr double kFloorM = 0.02, kFloorDeg = 0.3;
-
-/// Metres along odometry from each node to the latest.
-std::vector<double> WaysToLatest(const std::vector<Pose>& T_map_node) {
-  std::vector<double> way(T_map_node.size(), 0.0);
-  for (size_t i = T_map_node.size() - 1; i-- > 0;) {
-    way[i] = way[i + 1] + (T_map_node[i + 1].translation() - T_map_node[i].translation()).norm();
-  }
-  return way;
-}
 
 /// The rotation without its yaw: what turns the sensor level.
 core::Mat3 Levelled(const core::Mat3& R_map_lidar) {
@@ -47,6 +40,37 @@ void LoopSearch::Add(const NodeCloud& cloud, const Pose& T_map_node) {
   places_.Add(static_cast<uint32_t>(views_.size()), latest_place_);
   views_.push_back(
       {{SurfaceCloud(all, {}), RangeView(cloud.first_lidar)}, cloud.T_node_lidar, R_level_lidar});
+}
+
+void LoopSearch::Recall(const NodeMemory& node, const Pose& T_map_node) {
+  assert(views_.size() == recalled_);
+  ++recalled_;
+  places_.Add(static_cast<uint32_t>(views_.size()), DescribePlan(node.plan));
+  SurfaceCloudParams as_it_was;
+  as_it_was.voxel_m = node.voxel_m;
+  views_.push_back({{SurfaceCloud(node.points_lidar, as_it_was), RangeView(node.nearest, node.farthest)},
+                    node.T_node_lidar,
+                    Levelled((T_map_node * node.T_node_lidar).linear())});
+}
+
+std::vector<NodeMemory> LoopSearch::Memory() const {
+  std::vector<NodeMemory> memory;
+  for (size_t node = 0; node < views_.size(); ++node) {
+    const LoopScan& scan = views_[node].scan;
+    memory.push_back({views_[node].T_node_lidar, scan.cloud.voxel_m(), scan.cloud.points(),
+                      scan.view.nearest(), scan.view.farthest(), places_.place(node).cells});
+  }
+  return memory;
+}
+
+std::vector<double> LoopSearch::WaysToLatest(const std::vector<Pose>& T_map_node) const {
+  std::vector<double> way(T_map_node.size(), 0.0);
+  for (size_t i = T_map_node.size() - 1; i-- > 0;) {
+    way[i] = i + 1 == recalled_
+                 ? std::numeric_limits<double>::infinity()
+                 : way[i + 1] + (T_map_node[i + 1].translation() - T_map_node[i].translation()).norm();
+  }
+  return way;
 }
 
 std::vector<LoopSearch::Candidate> LoopSearch::Near(const PoseGraph& inliers,
@@ -132,6 +156,16 @@ std::vector<Loop> LoopSearch::FromLatest(const PoseGraph& inliers) const {
   std::vector<Loop> loops;
   for (const Candidate& candidate : tried) {
     if (const auto loop = Verify(candidate, inliers)) loops.push_back(*loop);
+  }
+  return loops;
+}
+
+std::vector<Loop> LoopSearch::ToRecalled(const PoseGraph& graph) const {
+  std::vector<Candidate> alike = Alike(WaysToLatest(graph.T_map_node));
+  std::erase_if(alike, [&](const Candidate& candidate) { return candidate.node >= recalled_; });
+  std::vector<Loop> loops;
+  for (size_t k = 0; k < std::min(alike.size(), static_cast<size_t>(params_.loop_tries)); ++k) {
+    if (const auto loop = Verify(alike[k], graph)) loops.push_back(*loop);
   }
   return loops;
 }

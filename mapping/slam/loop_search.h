@@ -28,15 +28,31 @@ struct NodeCloud {
   core::Pose T_node_lidar = core::Pose::Identity();
 };
 
+/// What is kept of a node, so that a later session finds loops to it: all in the frame of its sensor.
+struct NodeMemory {
+  core::Pose T_node_lidar = core::Pose::Identity();
+  double voxel_m = 0.1;                     ///< of the points, one a voxel
+  std::vector<core::Vec3f> points_lidar;    ///< thinned, of all its revolutions
+  std::vector<uint16_t> nearest, farthest;  ///< RangeView's
+  std::vector<PlaceDescriptor::Cell> plan;  ///< PlaceDescriptor's
+};
+
 class LoopSearch {
  public:
   explicit LoopSearch(const SlamParams& params) : params_(params) {}
 
   /// One cloud a node, in their order. `T_map_node` need be right in roll and pitch alone.
   void Add(const NodeCloud& cloud, const core::Pose& T_map_node);
+  /// A node of an earlier session. Call before any Add; the first node added begins a session of its own, of
+  /// which nothing tells where it lies to what is recalled but loops.
+  void Recall(const NodeMemory& node, const core::Pose& T_map_node);
+  /// Of all nodes, in their order.
+  std::vector<NodeMemory> Memory() const;
   /// From the latest node to older ones. `inliers`: the graph without false loops.
   /// @pre a cloud for each node.
   std::vector<Loop> FromLatest(const PoseGraph& inliers) const;
+  /// From the latest node to recalled ones by their looks alone, where it is not known how they lie to it.
+  std::vector<Loop> ToRecalled(const PoseGraph& graph) const;
 
  private:
   /// A node to be tried.
@@ -58,8 +74,11 @@ class LoopSearch {
   /// The most alike first.
   std::vector<Candidate> Alike(const std::vector<double>& way_m) const;
   std::optional<Loop> Verify(const Candidate& candidate, const PoseGraph& inliers) const;
+  /// Metres along odometry from each node to the latest; infinite to those of an earlier session.
+  std::vector<double> WaysToLatest(const std::vector<core::Pose>& T_map_node) const;
 
   SlamParams params_;
+  size_t recalled_ = 0;  ///< nodes
   std::vector<View> views_;
   PlaceDatabase places_;
   PlaceDescriptor latest_place_;

@@ -292,8 +292,12 @@ std::vector<PlaceCandidate> BestWays(const Place& candidate, const Place& query,
 }  // namespace
 
 PlaceDescriptor DescribePlace(std::span<const Vec3f> p_level) {
+  return DescribePlan(UprightCells(p_level));
+}
+
+PlaceDescriptor DescribePlan(std::vector<Place::Cell> cells) {
   PlaceDescriptor place;
-  place.cells = UprightCells(p_level);
+  place.cells = std::move(cells);
   place.beside = CellsAndBeside(place.cells);
   place.coarse = CoarseOf(place.cells);
   place.spectrum = TurnSpectrum(Magnitudes(place.cells));

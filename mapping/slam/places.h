@@ -41,6 +41,8 @@ struct PlaceDescriptor {
 /// @param p_level points in the keyframe's frame turned level (z up): the plan knows no tilt. Any range;
 /// those beyond the plan are left out.
 PlaceDescriptor DescribePlace(std::span<const core::Vec3f> p_level);
+/// Of a plan's cells, as a descriptor lists them.
+PlaceDescriptor DescribePlan(std::vector<PlaceDescriptor::Cell> cells);
 
 /// What a query may be. A plan that agrees with itself turned by half has a candidate for either.
 struct PlaceCandidate {
@@ -63,6 +65,8 @@ class PlaceDatabase {
   /// @pre ids are distinct.
   void Add(uint32_t id, PlaceDescriptor place);
   size_t size() const { return ids_.size(); }
+  /// In the order in which they were added.
+  const PlaceDescriptor& place(size_t index) const { return places_[index]; }
   /// The nearest first; up to two for each id.
   std::vector<PlaceCandidate> Query(const PlaceDescriptor& place, const PlaceQueryParams& params) const;
 

@@ -20,6 +20,23 @@ PoseGraphSlam::PoseGraphSlam(const Pose& T_map_first, const RobustOptions& optio
   graph_.T_map_node.push_back(T_map_first);
 }
 
+PoseGraphSlam::PoseGraphSlam(PoseGraph earlier, const RobustOptions& options)
+    : options_(options), graph_(std::move(earlier)), resolved_edges_(graph_.edges.size()) {
+  assert(graph_.size() > 0);
+}
+
+uint32_t PoseGraphSlam::AddUnconnected(const Pose& T_map_node) {
+  graph_.T_map_node.push_back(T_map_node);
+  return graph_.size() - 1;
+}
+
+void PoseGraphSlam::MoveFrom(uint32_t node, const Pose& T_map_node) {
+  const Pose T_new_old = T_map_node * graph_.T_map_node[node].inverse();
+  for (uint32_t moved = node; moved < graph_.size(); ++moved)
+    graph_.T_map_node[moved] = T_new_old * graph_.T_map_node[moved];
+  ++version_;
+}
+
 uint32_t PoseGraphSlam::AddNode(const Pose& T_latest_node, const core::Mat6& information) {
   const uint32_t node = graph_.size();
   graph_.T_map_node.push_back(graph_.T_map_node.back() * T_latest_node);

@@ -22,9 +22,15 @@ FullPass SolveFully(PoseGraph graph, const RobustOptions& options = {});
 class PoseGraphSlam {
  public:
   explicit PoseGraphSlam(const core::Pose& T_map_first, const RobustOptions& options = {});
+  /// Goes on from an earlier session's graph, of which no edge is false. @pre it has nodes.
+  explicit PoseGraphSlam(PoseGraph earlier, const RobustOptions& options = {});
 
   /// A node one odometry step after the latest. Returns its number.
   uint32_t AddNode(const core::Pose& T_latest_node, const core::Mat6& information);
+  /// A node that no edge leads to: the first of a session. Returns its number.
+  uint32_t AddUnconnected(const core::Pose& T_map_node);
+  /// Moves a node and all after it rigidly.
+  void MoveFrom(uint32_t node, const core::Pose& T_map_node);
   /// A measured T_from_to. Changes no pose. Returns its number among the edges.
   /// @pre two different nodes that exist; finite pose, positive definite information.
   size_t AddLoop(uint32_t from, uint32_t to, const core::Pose& T_from_to, const core::Mat6& information);

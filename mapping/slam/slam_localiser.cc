@@ -94,13 +94,18 @@ class SlamLocaliser final : public Localiser {
   SlamLocaliser(const SlamParams& params, const LocaliserStart& start)
       : params_(params),
         edge_covariance_(start.edge_covariance),
-        back_end_(params, start.T_map_odom * start.T_odom_base),
-        T_map_node_({start.T_map_odom * start.T_odom_base}),
-        solved_(std::make_shared<const SolvedGraph>(
-            std::make_shared<const PoseGraph>(PoseGraph{.T_map_node = T_map_node_}))),
+        back_end_(params, start.T_map_odom * start.T_odom_base, start.earlier),
+        T_map_node_(start.earlier ? start.earlier->graph.T_map_node : std::vector<Pose>{}),
+        begin_(T_map_node_.size()),
+        located_(!start.earlier),
         T_odom_node_(start.T_odom_base),
         T_odom_base_(start.T_odom_base),
-        lane_(1, start.threads > 1) {}
+        lane_(1, start.threads > 1) {
+    T_map_node_.push_back(start.T_map_odom * start.T_odom_base);
+    steps_.resize(T_map_node_.size());
+    solved_ = std::make_shared<const SolvedGraph>(std::make_shared<const PoseGraph>(
+        start.earlier ? start.earlier->graph : PoseGraph{.T_map_node = T_map_node_}));
+  }
 
   void OnState(const core::StateEvent& state) override {
     now_s_ = state.time_s;
@@ -120,6 +125,7 @@ class SlamLocaliser final : public Localiser {
   std::optional<PoseGraph> InlierGraph() const override {
     PoseGraph graph = solved_->inliers();
     for (uint32_t node = graph.size(); node < T_map_node_.size(); ++node) {
+      if (node == begin_) continue;  // the first of a session: no edge leads to it
       graph.edges.push_back(
           {node - 1, node, steps_[node].T_previous_node, steps_[node].covariance.inverse()});
     }
@@ -130,6 +136,11 @@ class SlamLocaliser final : public Localiser {
   std::shared_ptr<const core::PoseSource> poses() const override {
     if (!snapshot_) snapshot_ = std::make_shared<const GraphPoses>(T_map_node_, version_, solved_, steps_);
     return snapshot_;
+  }
+
+  bool located() const override { return located_; }
+  std::shared_ptr<const SlamMemory> Memory() const override {
+    return std::make_shared<const SlamMemory>(back_end_.Memory());
   }
 
   void Settle() override {
@@ -195,6 +206,7 @@ class SlamLocaliser final : public Localiser {
     const SolvedNodes& solved = *correction.nodes;
     if (solved.full_pass_due && under_way_.empty())
       Post(params_.full_latency_s, [this] { return back_end_.FullPass(); });
+    located_ = solved.located;
     if (std::exchange(version_, solved.version) == solved.version) return;
     std::copy(solved.T_map_node.begin(), solved.T_map_node.end(), T_map_node_.begin());
     for (size_t node = solved.T_map_node.size(); node < T_map_node_.size(); ++node)
@@ -207,8 +219,10 @@ class SlamLocaliser final : public Localiser {
   std::function<Mat6(double)> edge_covariance_;
   SlamBackEnd back_end_;  ///< touched by tasks of the lane alone
   std::vector<Pose> T_map_node_;
+  size_t begin_;  ///< the session's first node
+  bool located_;
   std::shared_ptr<const SolvedGraph> solved_;  ///< as of version_
-  std::vector<NodeStep> steps_{NodeStep{}};    ///< by odometry
+  std::vector<NodeStep> steps_;                ///< by odometry
   uint64_t version_ = 0;
   Pose T_odom_node_;  ///< of the latest node
   Pose T_odom_base_;

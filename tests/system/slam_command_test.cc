@@ -109,6 +109,19 @@ TEST_F(SlamCommand, ThreadsChangeNoByte) {
         << file;
 }
 
+TEST_F(SlamCommand, ASessionThatIsNotRecognisedWritesNothing) {
+  WriteLog();
+  ASSERT_EQ(Atlas("slam --scans log --resolution 0.2 --out out").exit_code, 0);
+  // An empty room looks the same from both ends.
+  ExpectRefusal("slam --scans log --continue out --out again", {"not recognised", "30 scans"});
+  EXPECT_FALSE(fs::exists(dir_ / "again/atlas"));
+  ExpectRefusal("slam --scans log --continue log --out again", {"log", "no saved atlas"});
+  ExpectRefusal("slam --scans log --continue out --resolution 0.1 --out again",
+                {"mapper.resolution_m", "0.1", "0.2"});
+  fs::remove_all(dir_ / "out/atlas/slam");
+  ExpectRefusal("slam --scans log --continue out --out again", {"out/atlas", "slam"});
+}
+
 TEST_F(SlamCommand, BadInputIsOneLine) {
   WriteLog();
   ExpectRefusal("map --scans log", {"--poses", "atlas slam"});

@@ -67,21 +67,32 @@ Pose WayAt(double s_m) {
   }
 }
 
+struct WalkOptions {
+  int threads = 1;
+  double begin_m = 0.0, end_m = 50.0;  ///< along the way
+  double error = 1.0;                  ///< of odometry, in 0.35 degrees a metre and 1 % of the way
+  std::shared_ptr<const SlamMemory> earlier = {};  ///< where there is one, the start is not known
+};
+
 struct Walk {
-  explicit Walk(const LocalisationParams& params, int threads = 1) {
-    Pose T_odom_base = Pose::Identity(), T_map_base = WayAt(0.0);
-    const Pose T_map_odom = T_map_base;
-    localiser = MakeLocaliser(
-        params,
-        {.T_map_odom = T_map_odom, .T_odom_base = T_odom_base, .T_map_base_true = {}, .threads = threads},
-        core::Rng(1));
-    for (double s = 0.0; s <= 50.0; s += 0.25) {
+  explicit Walk(const LocalisationParams& params, const WalkOptions& options = {}) {
+    Pose T_odom_base = Pose::Identity(), T_map_base = WayAt(options.begin_m);
+    const Pose T_map_odom = options.earlier ? Pose::Identity() : T_map_base;
+    localiser = MakeLocaliser(params,
+                              {.T_map_odom = T_map_odom,
+                               .T_odom_base = T_odom_base,
+                               .T_map_base_true = {},
+                               .threads = options.threads,
+                               .edge_covariance = {},
+                               .earlier = options.earlier},
+                              core::Rng(1));
+    first_keyframe = localiser->poses()->latest();
+    for (double s = options.begin_m; s <= options.end_m; s += 0.25) {
       const Pose T_map_next = WayAt(s);
-      // 0.35 degrees a metre, 1 % too far.
       Pose step = T_map_base.inverse() * T_map_next;
-      step.translation() *= 1.01;
-      step.linear() = step.linear() *
-                      core::RotationFromYawPitchRoll(core::Radians(s > 0.0 ? 0.35 * 0.25 : 0.0), 0.0, 0.0);
+      step.translation() *= 1.0 + 0.01 * options.error;
+      const double turned_deg = s > options.begin_m ? options.error * 0.35 * 0.25 : 0.0;
+      step.linear() = step.linear() * core::RotationFromYawPitchRoll(core::Radians(turned_deg), 0.0, 0.0);
       T_odom_base = T_odom_base * step;
       T_map_base = T_map_next;
       core::StateEvent state;
@@ -94,7 +105,8 @@ struct Walk {
       const core::AnchoredSpin placed = localiser->Place(SpinAt(T_map_base, T_odom_base, s));
       EXPECT_LT((placed.T_map_odom(*localiser->poses()).matrix() - localiser->T_map_odom().matrix()).norm(),
                 1e-9);
-      if (true_poses.size() <= placed.keyframe) {
+      if (!localiser->located()) located_m = s;
+      if (first_keyframe + true_poses.size() <= placed.keyframe) {
         true_poses.push_back(T_map_base);
         T_odom_keyframe.push_back(T_map_odom * T_odom_base);
       }
@@ -107,8 +119,8 @@ struct Walk {
   double KeyframeError() const {
     double squared = 0.0;
     for (size_t k = 0; k < true_poses.size(); ++k) {
-      squared += (localiser->poses()->T_map_keyframe(static_cast<core::KeyframeId>(k)).translation() -
-                  true_poses[k].translation())
+      const auto keyframe = static_cast<core::KeyframeId>(first_keyframe + k);
+      squared += (localiser->poses()->T_map_keyframe(keyframe).translation() - true_poses[k].translation())
                      .squaredNorm();
     }
     return std::sqrt(squared / static_cast<double>(true_poses.size()));
@@ -116,6 +128,8 @@ struct Walk {
 
   std::unique_ptr<Localiser> localiser;
   std::vector<Pose> true_poses, T_odom_keyframe, believed;
+  size_t first_keyframe = 0;
+  double located_m = 0.0;           ///< along the way, until when it was not known where it lies
   std::vector<double> corrected_s;  ///< when keyframes moved; a metre is a second
   double final_error_m = 0.0, odometry_error_m = 0.0;
 };
@@ -138,7 +152,7 @@ TEST(SlamLocaliser, ClosesTheLoopAroundABlock) {
 }
 
 TEST(SlamLocaliser, IsTheSameWithAThreadOfItsOwn) {
-  const Walk alone(Slam()), beside(Slam(), 2);
+  const Walk alone(Slam()), beside(Slam(), {.threads = 2});
   ASSERT_EQ(alone.believed.size(), beside.believed.size());
   for (size_t k = 0; k < alone.believed.size(); ++k)
     ASSERT_EQ(alone.believed[k].matrix(), beside.believed[k].matrix()) << k;
@@ -168,6 +182,33 @@ TEST(SlamLocaliser, WithoutLoopsIsOdometry) {
     EXPECT_LT((T_map_keyframe.matrix() - walk.T_odom_keyframe[k].matrix()).norm(), 1e-9) << k;
   }
   EXPECT_EQ(walk.localiser->poses()->version(), 0u);
+}
+
+TEST(SlamLocaliser, ASecondSessionFromAnotherStartIsLocatedInTheFirst) {
+  const Walk first(Slam(), {.error = 0.1});
+  const auto memory = first.localiser->Memory();
+  ASSERT_EQ(memory->graph.size(), first.true_poses.size());
+  ASSERT_EQ(memory->nodes.size(), memory->graph.size());
+  for (const int threads : {1, 2}) {
+    const Walk second(Slam(),
+                      {.threads = threads, .begin_m = 17.0, .end_m = 60.0, .error = 0.1, .earlier = memory});
+    EXPECT_EQ(second.first_keyframe, memory->graph.size());
+    EXPECT_TRUE(second.localiser->located());
+    EXPECT_GE(second.located_m, 17.0) << "not before it saw anything";
+    EXPECT_LT(second.located_m, 30.0);
+    EXPECT_LT(second.KeyframeError(), 0.1);
+    EXPECT_LT(second.final_error_m, 0.1);
+    const auto poses = second.localiser->poses();
+    EXPECT_LT(poses->RelativeSigmaM(2, poses->latest()).value(), 0.1) << "to a keyframe of the first";
+  }
+}
+
+TEST(SlamLocaliser, ASecondSessionElsewhereIsNotLocated) {
+  const Walk first(Slam(), {.end_m = 9.0, .error = 0.1});
+  // Along the other aisle.
+  const Walk second(Slam(),
+                    {.begin_m = 21.0, .end_m = 30.0, .error = 0.1, .earlier = first.localiser->Memory()});
+  EXPECT_FALSE(second.localiser->located());
 }
 
 TEST(SlamLocaliser, APoseSourceStaysAsItWasTaken) {
