@@ -235,10 +235,10 @@ int SlamCommand(const SlamArguments& given) {
     throw core::InputError(MissesScan(arguments, log.stamp_s(0), log.name(0)));
   core::RemoveStaleTemporaries(folder);
   core::AtomicFile(folder / "trajectory.txt");  // a folder that cannot be written is found before the work
-  std::cout << core::Printable(log.Describe()) << std::endl;
   std::optional<core::LidarModel> lidar;
   if (log.beams()) lidar = log.beams()->model;
   OfflineSlam slam(params, lidar, arguments.earlier);
+  std::cout << core::Printable(log.Describe()) << std::endl;
   StopInOrderOnSignal();
   SlamOutcome outcome;
   Follow(arguments, log, odometry, &slam, &outcome);

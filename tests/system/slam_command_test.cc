@@ -113,7 +113,9 @@ TEST_F(SlamCommand, ASessionThatIsNotRecognisedWritesNothing) {
   WriteLog();
   ASSERT_EQ(Atlas("slam --scans log --resolution 0.2 --out out").exit_code, 0);
   // An empty room looks the same from both ends.
-  ExpectRefusal("slam --scans log --continue out --out again", {"not recognised", "30 scans"});
+  const Outcome outcome = Atlas("slam --scans log --continue out --out again");
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
+  EXPECT_NE(outcome.text.find("not recognised"), std::string::npos) << outcome.text;
   EXPECT_FALSE(fs::exists(dir_ / "again/atlas"));
   ExpectRefusal("slam --scans log --continue log --out again", {"log", "no saved atlas"});
   ExpectRefusal("slam --scans log --continue out --resolution 0.1 --out again",
