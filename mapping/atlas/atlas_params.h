@@ -1,11 +1,14 @@
 // When revolutions go to a submap, to an older one or to a new one, and when two submaps become one.
 #pragma once
 
+#include <string>
+
 #include "core/params.h"
 
 namespace atlas::mapping {
 
 struct AtlasParams {
+  std::string field = "occupancy";  ///< of submaps: occupancy | tsdf
   double lambda_odom_m = 30.0;  ///< thesis 4.7.1: a submap takes keyframes up to this far along the graph
   double cloud_overlap = 0.75;  ///< thesis 4.7.3: and while this share of their returns is near its cloud
   double cloud_filter_m = 0.1;  ///< r_filter of Algorithm 1

@@ -15,8 +15,13 @@ namespace atlas::mapping {
 struct OctreeContents {
   OccupancyOctree tree;
   std::optional<BehindSurface> behind = {};
+  /// Of a map of signed distances: what scans went into. `tree` then tells no more than which of its voxels are
+  /// free and which occupied.
+  std::optional<TsdfOctree> distances = {};
 
-  OctreeContents Clone() const { return {tree.Clone(), behind}; }
+  OctreeContents Clone() const {
+    return {tree.Clone(), behind, distances ? std::optional(distances->Clone()) : std::nullopt};
+  }
 };
 
 /// Log-odds up to which a voxel counts as free, and from which on as occupied.
