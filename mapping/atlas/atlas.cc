@@ -1,6 +1,7 @@
 #include "mapping/atlas/atlas.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -74,7 +75,8 @@ Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core:
   for (const auto& submap : submaps_) {
     if (submap.get() == active_ && !active_too) continue;
     if (!submap->Outline()->bounds.Contains(submap->T_map_submap.inverse() * keyframe.place_map)) continue;
-    const double share = submap->BestCloud(keyframe.cloud_map).share;
+    const double below = std::nextafter(params_.cloud_overlap, 0.0);
+    const double share = submap->BestCloud(keyframe.cloud_map, below).share;
     if (share >= params_.cloud_overlap) fitting.emplace_back(share, submap.get());
   }
   std::stable_sort(fitting.begin(), fitting.end(),
@@ -92,7 +94,9 @@ void Atlas::Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses
                              T_map_odom * spin.spin->T_odom_lidar.poses().front().T.translation(),
                              FilterCloud(PointsOf(rays_), params_.cloud_filter_m)};
   if (keyframe_) travelled_m_ += (keyframe.place_map - keyframe_->p_map(poses)).norm();
-  const double overlap = active_ != nullptr ? active_->BestCloud(keyframe.cloud_map).share : 0.0;
+  Submap::CloudMatch match;
+  if (active_ != nullptr) match = active_->BestCloud(keyframe.cloud_map);
+  const double overlap = match.share;
   const bool near = travelled_m_ <= params_.lambda_odom_m, overlaps = overlap >= params_.cloud_overlap;
   if (active_ == nullptr || !near || !overlaps) {
     Submap* const left = active_;
@@ -104,10 +108,11 @@ void Atlas::Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses
     travelled_m_ = 0.0;
     Activate(next);
     if (left != nullptr && left != next) Fuse(poses, active_->id);
+    match = active_->BestCloud(keyframe.cloud_map);
   }
   keyframe_ = {keyframe.id, poses.T_map_keyframe(keyframe.id).inverse() * keyframe.place_map};
   active_->keyframes.push_back({*keyframe_, poses.T_map_keyframe(keyframe.id)});
-  active_->AddToCloud(active_->BestCloud(keyframe.cloud_map).cloud, keyframe.cloud_map);
+  active_->AddToCloud(match.cloud, keyframe.cloud_map);
 }
 
 void Atlas::Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out) {

@@ -75,8 +75,8 @@ constexpr NodeKey ChunkKeyOf(uint64_t code) {
 /// Index in [0, 512) of a block in its chunk: Morton order, so the 8 (64) blocks of a level 4 (5) node are
 /// neighbours.
 constexpr int BlockIndex(int bx, int by, int bz) {
-  return static_cast<int>(MortonCode(static_cast<uint32_t>(bx & 7), static_cast<uint32_t>(by & 7),
-                                     static_cast<uint32_t>(bz & 7)));
+  const auto spread = [](int b) { return (b & 1) | (b & 2) << 2 | (b & 4) << 4; };
+  return spread(bx) | spread(by) << 1 | spread(bz) << 2;
 }
 /// Block coordinates in [0, 8) of an index.
 constexpr NodeKey BlockOffset(int block) {
