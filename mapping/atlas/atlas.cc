@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/errors.h"
+#include "mapping/atlas/distance_states.h"
 #include "mapping/cloud/undistort.h"
 #include "mapping/integrator/occupancy_states.h"
 
@@ -56,6 +58,12 @@ void Atlas::GoOnFrom(const SavedAtlas& earlier) {
     throw core::InputError(fmt::format("mapper.resolution_m: {}, must be that of the atlas to go on from, {}",
                                        setup_.resolution_m, earlier.resolution_m));
   }
+  for (const SavedSubmap& saved : earlier.submaps) {
+    const bool distances = saved.contents->Get()->distances.has_value();
+    if (distances == (params_.field == "tsdf")) continue;
+    throw core::InputError(fmt::format("mapper.field: {}, must be that of the atlas to go on from, {}",
+                                       params_.field, distances ? "tsdf" : "occupancy"));
+  }
   revolutions_ = earlier.submaps.size();
   for (size_t i = 0; i < earlier.submaps.size(); ++i) {
     const SavedSubmap& saved = earlier.submaps[i];
@@ -80,6 +88,7 @@ void Atlas::GoOnFrom(const SavedAtlas& earlier) {
 PagedContents Atlas::Empty() const {
   OctreeContents contents{OccupancyOctree(setup_.resolution_m), {}};
   if (setup_.map.behind_surface) contents.behind.emplace(setup_.resolution_m, setup_.behind_surface_m);
+  if (params_.field == "tsdf") contents.distances.emplace(setup_.resolution_m);
   return {pager_, std::move(contents)};
 }
 
@@ -96,7 +105,21 @@ void Atlas::Activate(Submap* submap) {
     integrator.region_map =
         BoxAround(*setup_.map.keep_map, active_->T_map_submap.inverse()).Inflated(kKeepMarginM);
   }
-  integrator_ = MakeIntegrator<OccupancyField>(integrator, setup_.map.lidar);
+  if (params_.field == "tsdf") {
+    distance_integrator_ = MakeIntegrator<TsdfField>(integrator, setup_.map.lidar);
+  } else {
+    integrator_ = MakeIntegrator<OccupancyField>(integrator, setup_.map.lidar);
+  }
+}
+
+void Atlas::Fill(const core::AnchoredSpin& spin, const Pose& T_submap_odom, OctreeContents* contents) {
+  if (contents->distances) {
+    distance_integrator_->Integrate(*spin.spin, T_submap_odom, &*contents->distances);
+    for (const auto& [chunk, blocks] : contents->distances->TakeChanges())
+      TellStates(*contents->distances, chunk, blocks, &contents->tree);
+  } else {
+    integrator_->Integrate(*spin.spin, T_submap_odom, &contents->tree);
+  }
 }
 
 Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core::PoseSource& poses) const {
@@ -105,7 +128,8 @@ Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core:
   for (const auto& submap : submaps_) {
     if (submap.get() == active_ && !active_too) continue;
     if (!submap->Outline()->bounds.Contains(submap->T_map_submap.inverse() * keyframe.place_map)) continue;
-    const double share = submap->BestCloud(keyframe.cloud_map).share;
+    const double below = std::nextafter(params_.cloud_overlap, 0.0);
+    const double share = submap->BestCloud(keyframe.cloud_map, below).share;
     if (share >= params_.cloud_overlap) fitting.emplace_back(share, submap.get());
   }
   std::stable_sort(fitting.begin(), fitting.end(),
@@ -123,7 +147,9 @@ void Atlas::Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses
                              T_map_odom * spin.spin->T_odom_lidar.poses().front().T.translation(),
                              FilterCloud(PointsOf(rays_), params_.cloud_filter_m)};
   if (keyframe_) travelled_m_ += (keyframe.place_map - keyframe_->p_map(poses)).norm();
-  const double overlap = active_ != nullptr ? active_->BestCloud(keyframe.cloud_map).share : 0.0;
+  Submap::CloudMatch match;
+  if (active_ != nullptr) match = active_->BestCloud(keyframe.cloud_map);
+  const double overlap = match.share;
   const bool near = travelled_m_ <= params_.lambda_odom_m, overlaps = overlap >= params_.cloud_overlap;
   if (active_ == nullptr || !near || !overlaps) {
     Submap* const left = active_;
@@ -135,10 +161,11 @@ void Atlas::Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses
     travelled_m_ = 0.0;
     Activate(next);
     if (left != nullptr && left != next) Fuse(poses, active_->id);
+    match = active_->BestCloud(keyframe.cloud_map);
   }
   keyframe_ = {keyframe.id, poses.T_map_keyframe(keyframe.id).inverse() * keyframe.place_map};
   active_->keyframes.push_back({*keyframe_, poses.T_map_keyframe(keyframe.id)});
-  active_->AddToCloud(active_->BestCloud(keyframe.cloud_map).cloud, keyframe.cloud_map);
+  active_->AddToCloud(match.cloud, keyframe.cloud_map);
 }
 
 void Atlas::Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out) {
@@ -160,7 +187,7 @@ void Atlas::Integrate(const core::AnchoredSpin& spin, const core::PoseSource& po
   const Pose T_submap_odom = active_->T_map_submap.inverse() * spin.T_map_odom(poses);
   {
     const PagedContents::Writing contents = active_->contents.Write();
-    integrator_->Integrate(*spin.spin, T_submap_odom, &contents->tree);
+    Fill(spin, T_submap_odom, &*contents);
     if (contents->behind) {
       UndistortHits(*spin.spin, T_submap_odom, &rays_);
       contents->behind->Mark(rays_, setup_.integrator.max_range_m);

@@ -60,6 +60,7 @@ class Atlas {
   Submap* Fitting(const NewKeyframe& keyframe, bool active_too, const core::PoseSource& poses) const;
   Submap* Spawn(core::KeyframeId root, const core::PoseSource& poses);
   void Activate(Submap* submap);
+  void Fill(const core::AnchoredSpin& spin, const core::Pose& T_submap_odom, OctreeContents* contents);
   /// Until no two are left that should be one.
   void Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out);
   PagedContents Empty() const;
@@ -71,7 +72,9 @@ class Atlas {
   uint32_t next_id_ = 0;
   FusionSearch search_;
   Submap* active_ = nullptr;
-  std::unique_ptr<ScanIntegrator<OccupancyField>> integrator_;  ///< of the active submap
+  /// Of the active submap: one of the two, by its field.
+  std::unique_ptr<ScanIntegrator<OccupancyField>> integrator_;
+  std::unique_ptr<ScanIntegrator<TsdfField>> distance_integrator_;
   std::optional<core::AnchoredPoint> keyframe_;  ///< of the latest revolution; where the sensor was first
   double travelled_m_ = 0.0;                     ///< along keyframes, since the active submap was taken up
   uint64_t revolutions_ = 0;

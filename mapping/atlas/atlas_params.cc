@@ -31,10 +31,11 @@ void VisitFusion(AtlasParams* p, core::ParamVisitor& v) {
 }  // namespace
 
 void AtlasParams::Visit(core::ParamVisitor& v) {
-  v.Field("field", &field,
-          {.one_of = {"occupancy", "tsdf"},
-           .doc = "what submaps hold (thesis 4.5): log-odds, or signed distances, whose sign tells what is free "
-                  "where they have weight"});
+  v.Field(
+      "field", &field,
+      {.one_of = {"occupancy", "tsdf"},
+       .doc = "what submaps hold (thesis 4.5): log-odds, or signed distances, whose sign tells what is free "
+              "where they have weight"});
   v.Field("lambda_odom_m", &lambda_odom_m,
           {.unit = "m",
            .min = 1.0,

@@ -91,7 +91,8 @@ class Resampled {
   Around About(const Vec3& center_to, double side_m) {
     const Vec3 center = T_from_to_ * center_to;
     // One voxel more for the corners between which is read.
-    const Vec3 half = (T_from_to_.linear().cwiseAbs() * Vec3::Constant(0.5 * side_m)).array() + 0.5 / inverse_;
+    const Vec3 half =
+        (T_from_to_.linear().cwiseAbs() * Vec3::Constant(0.5 * side_m)).array() + 0.5 / inverse_;
     const NodeKey low = VoxelKeyAt(center - half, inverse_).Up(kBlockLevel),
                   high = VoxelKeyAt(center + half, inverse_).Up(kBlockLevel);
     Around around;

@@ -10,6 +10,7 @@
 
 #include "core/byte_reader.h"
 #include "core/errors.h"
+#include "mapping/atlas/distance_states.h"
 #include "mapping/io/map_codec.h"
 
 namespace atlas::mapping {
@@ -57,19 +58,39 @@ void AppendNumber(T value, std::string* out) {
   out->append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-/// Resolution, chunks that hold anything and how many; marks behind surfaces, where they are kept.
-std::string ToPage(const OctreeContents& contents) {
-  std::string chunks, page;
+/// How many chunks hold anything, and these.
+template <typename Field>
+void AppendTree(const Octree<Field>& tree, std::string* page) {
+  std::string chunks;
   uint64_t count = 0;
-  for (const OccupancyOctree::Chunk* chunk : contents.tree.Chunks()) {
-    if (!ContentOf(contents.tree, *chunk).any()) continue;
-    AppendChunk(contents.tree, *chunk, &chunks);
+  for (const typename Octree<Field>::Chunk* chunk : tree.Chunks()) {
+    if (!ContentOf(tree, *chunk).any()) continue;
+    AppendChunk(tree, *chunk, &chunks);
     ++count;
   }
+  AppendNumber(count, page);
+  *page += chunks;
+}
+
+template <typename Field>
+void ReadTree(core::ByteReader* reader, Octree<Field>* tree) {
+  const auto count = reader->Next<uint64_t>();
+  uint64_t first_code = 0;
+  for (uint64_t i = 0; i < count; ++i) ReadChunk(reader, &first_code, tree);
+  tree->TakeChanges();
+}
+
+/// Resolution, the tree, or the distances that tell it; marks behind surfaces, where they are kept.
+std::string ToPage(const OctreeContents& contents) {
+  std::string page;
   AppendNumber(contents.tree.resolution_m(), &page);
-  AppendNumber(count, &page);
+  AppendNumber(static_cast<uint8_t>(contents.distances.has_value()), &page);
   AppendNumber(static_cast<uint8_t>(contents.behind.has_value()), &page);
-  page += chunks;
+  if (contents.distances) {
+    AppendTree(*contents.distances, &page);
+  } else {
+    AppendTree(contents.tree, &page);
+  }
   if (contents.behind) contents.behind->AppendTo(&page);
   return page;
 }
@@ -77,17 +98,21 @@ std::string ToPage(const OctreeContents& contents) {
 OctreeContents FromPage(const std::string& page) {
   core::ByteReader reader(page, "a page of the atlas");
   OctreeContents contents{OccupancyOctree(reader.Next<double>()), {}};
-  const auto count = reader.Next<uint64_t>();
-  const bool behind = reader.Next<uint8_t>() != 0;
-  uint64_t first_code = 0;
-  for (uint64_t i = 0; i < count; ++i) ReadChunk(&reader, &first_code, &contents.tree);
-  contents.tree.TakeChanges();
+  const bool distances = reader.Next<uint8_t>() != 0, behind = reader.Next<uint8_t>() != 0;
+  if (distances) {
+    contents.distances.emplace(contents.tree.resolution_m());
+    ReadTree(&reader, &*contents.distances);
+    contents.tree = StatesOf(*contents.distances);
+  } else {
+    ReadTree(&reader, &contents.tree);
+  }
   if (behind) contents.behind = BehindSurface::Read(&reader);
   return contents;
 }
 
 size_t BytesOf(const OctreeContents& contents) {
-  return contents.tree.Bytes() + (contents.behind ? contents.behind->Bytes() : 0);
+  return contents.tree.Bytes() + (contents.behind ? contents.behind->Bytes() : 0) +
+         (contents.distances ? contents.distances->Bytes() : 0);
 }
 
 }  // namespace

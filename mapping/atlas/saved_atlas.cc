@@ -12,6 +12,7 @@
 #include "core/checked_folder.h"
 #include "core/csv_table.h"
 #include "core/errors.h"
+#include "mapping/atlas/distance_states.h"
 #include "mapping/io/map_file.h"
 #include "mapping/io/recorded_cloud.h"
 
@@ -43,15 +44,18 @@ std::string SubmapFile(uint32_t id) {
 
 std::shared_ptr<const StoredContents> ReadSubmap(const fs::path& file, double resolution_m) {
   AnyOctree map = ReadMap(file);
-  auto* const tree = std::get_if<OccupancyOctree>(&map);
-  if (tree == nullptr)
-    throw core::InputError(fmt::format("{}: field tsdf, must be occupancy", file.string()));
-  if (tree->resolution_m() != resolution_m) {
+  const double held_m = std::visit([](const auto& tree) { return tree.resolution_m(); }, map);
+  if (held_m != resolution_m)
     throw core::InputError(
-        fmt::format("{}: resolution {} m, must be {}", file.string(), tree->resolution_m(), resolution_m));
+        fmt::format("{}: resolution {} m, must be {}", file.string(), held_m, resolution_m));
+  OctreeContents contents{OccupancyOctree(resolution_m), {}, {}};
+  if (auto* const distances = std::get_if<TsdfOctree>(&map)) {
+    contents.tree = StatesOf(*distances);
+    contents.distances.emplace(std::move(*distances));
+  } else {
+    contents.tree = std::move(std::get<OccupancyOctree>(map));
   }
-  return std::make_shared<const StoredContents>(std::make_shared<ContentsPager>(0),
-                                                OctreeContents{std::move(*tree), {}});
+  return std::make_shared<const StoredContents>(std::make_shared<ContentsPager>(0), std::move(contents));
 }
 
 void LoadHead(const fs::path& folder, SavedAtlas* atlas) {
@@ -173,7 +177,12 @@ void WriteAtlas(const fs::path& folder, const SavedAtlas& atlas) {
               clouds = std::string(kCloudHead) + core::kCsvPoseHead + "\n";
   for (const SavedSubmap& submap : atlas.submaps) {
     const std::string file = SubmapFile(submap.id);
-    WriteMap(writer.At(file), submap.contents->Get()->tree);
+    const auto contents = submap.contents->Get();
+    if (contents->distances) {
+      WriteMap(writer.At(file), *contents->distances);
+    } else {
+      WriteMap(writer.At(file), contents->tree);
+    }
     writer.Written(file);
     submaps += fmt::format("{},{},{},{:.4f},{},{}\n", submap.id, submap.root, submap.keyframes.size(),
                            submap.overlap, file, core::CsvOfPose(submap.T_map_submap));

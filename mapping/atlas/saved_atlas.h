@@ -4,7 +4,7 @@
 //     submaps.csv       a submap a row, by precedence: root keyframe, pose, file
 //     keyframes.csv     a keyframe a row: its submap, its pose, where the sensor was
 //     clouds.csv        an accumulated cloud a row: its submap, pose in it, file
-//     submap_003.atlas  the octree (map_file.h)
+//     submap_003.atlas  the octree, of occupancy or of signed distances (map_file.h)
 //     cloud_003_0.ply   the points
 //     files.csv         size and CRC-64 of each of these, written last: what is not whole is found out
 #pragma once

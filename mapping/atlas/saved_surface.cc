@@ -13,7 +13,9 @@ core::TriMesh ExtractMesh(const AtlasView& view, const MeshOptions& options) {
   core::TriMesh all;
   for (size_t i = 0; i < view.submaps().size(); ++i) {
     const PosedSubmap& submap = view.submaps()[i];
-    core::TriMesh mesh = ExtractMesh(submap.contents->Get()->tree, each);
+    const auto contents = submap.contents->Get();
+    core::TriMesh mesh =
+        contents->distances ? ExtractMesh(*contents->distances, each) : ExtractMesh(contents->tree, each);
     mesh.Transform(submap.T_map_submap);
     std::erase_if(mesh.triangles, [&](const std::array<uint32_t, 3>& t) {
       const core::Vec3f middle = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0f;

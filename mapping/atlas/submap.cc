@@ -38,11 +38,12 @@ std::vector<Vec3f> Submap::InCloud(size_t cloud, const std::vector<Vec3f>& cloud
   return points;
 }
 
-Submap::CloudMatch Submap::BestCloud(const std::vector<Vec3f>& cloud_map) const {
+Submap::CloudMatch Submap::BestCloud(const std::vector<Vec3f>& cloud_map, double above) const {
   CloudMatch best;
   for (size_t cloud = 0; cloud < clouds.size(); ++cloud) {
-    const double share = clouds[cloud].points.ShareNear(InCloud(cloud, cloud_map));
-    if (share > best.share) best = {share, cloud};
+    const double least = std::max(above, best.share);
+    const double share = clouds[cloud].points.ShareNear(InCloud(cloud, cloud_map), least);
+    if (share > least) best = {share, cloud};
   }
   return best;
 }

@@ -47,12 +47,13 @@ class Submap {
   /// Of the contents as they are; for any thread while nobody writes.
   std::shared_ptr<const SubmapOutline> Outline() const;
 
-  /// The cloud that a keyframe's returns (in the map) overlap most, and the share (thesis Alg. 1).
+  /// The cloud that a keyframe's returns (in the map) overlap most, and the share (thesis Alg. 1); a share of
+  /// 0 where none is above `above`.
   struct CloudMatch {
     double share = 0.0;
     size_t cloud = 0;
   };
-  CloudMatch BestCloud(const std::vector<core::Vec3f>& cloud_map) const;
+  CloudMatch BestCloud(const std::vector<core::Vec3f>& cloud_map, double above = 0.0) const;
   void AddToCloud(size_t cloud, const std::vector<core::Vec3f>& cloud_map);
 
   /// Takes over what another submap holds; that one is to be thrown away (thesis 4.8).

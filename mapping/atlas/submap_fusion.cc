@@ -1,8 +1,12 @@
 #include "mapping/atlas/submap_fusion.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
+#include "mapping/atlas/block_window.h"
+#include "mapping/atlas/distance_fusion.h"
+#include "mapping/atlas/distance_states.h"
 #include "mapping/atlas/submap_outline.h"
 #include "mapping/integrator/write/occupancy_shift.h"
 #include "mapping/octree/queries.h"
@@ -35,59 +39,33 @@ NodeKey Shifted(NodeKey key, int axis, int by) {
 class Resampler {
  public:
   Resampler(const OccupancyOctree& from, const Pose& T_from_to)
-      : from_(from), T_from_to_(T_from_to), inverse_(1.0 / from.resolution_m()) {}
+      : from_(from), T_from_to_(T_from_to), inverse_(1.0 / from.resolution_m()), window_(from) {}
 
+  /// To the blocks that meet a block of the other submap.
+  const BlockWindow& MoveTo(const Vec3& center_to, double block_m) {
+    const Vec3 center = T_from_to_ * center_to, half = HalfSizeOfTurned(block_m, T_from_to_);
+    window_.MoveTo(from_.KeyAt(center - half).Up(kBlockLevel), from_.KeyAt(center + half).Up(kBlockLevel));
+    return window_;
+  }
   /// What the voxel around a point holds, a surface's place in it told for the asking voxel around the point.
-  int8_t At(const Vec3& p_to) const {
+  /// @pre the point lies in the block moved to last
+  int8_t At(const Vec3& p_to) {
     const Vec3 p_from = T_from_to_ * p_to;
     const NodeKey voxel = from_.KeyAt(p_from);
-    const int8_t held = from_.At(voxel);
+    const int8_t held = window_.At(voxel);
     return Field::Occupied(held) ? Replaced(held, voxel, p_from) : held;
   }
-  int8_t Plain(const Vec3& p_to) const { return from_.At(T_from_to_ * p_to); }
-
-  enum class Finest { kUniform, kCoarse, kFine };
-  struct Around {
-    Finest finest = Finest::kUniform;
-    int8_t value = Field::Unknown();  ///< where all is uniform, and one value
-    bool one_value = true;
-  };
-  /// Of the blocks that meet a block of the other submap.
-  Around AroundBlock(const Vec3& center_to, double block_m) const {
-    const Vec3 center = T_from_to_ * center_to, half = HalfSizeOfTurned(block_m, T_from_to_);
-    const NodeKey low = from_.KeyAt(center - half).Up(kBlockLevel),
-                  high = from_.KeyAt(center + half).Up(kBlockLevel);
-    Around around;
-    bool first = true;
-    for (int z = low.z; z <= high.z; ++z) {
-      for (int y = low.y; y <= high.y; ++y) {
-        for (int x = low.x; x <= high.x; ++x) {
-          const Chunk* chunk = from_.Find(NodeKey{x, y, z}.Up(kBlockLevel));
-          const int block = BlockIndex(x, y, z);
-          const BlockKind kind = chunk != nullptr ? chunk->Kind(block) : BlockKind::kUniform;
-          if (kind == BlockKind::kFine) return {Finest::kFine, Field::Unknown(), false};
-          if (kind == BlockKind::kCoarse) {
-            around.finest = Finest::kCoarse;
-            around.one_value = false;
-            continue;
-          }
-          const int8_t value = chunk != nullptr ? chunk->uniform.Get(block) : Field::Unknown();
-          around.one_value = around.one_value && (first || value == around.value);
-          around.value = value;
-          first = false;
-        }
-      }
-    }
-    return around;
-  }
+  /// @pre as above
+  int8_t Plain(const Vec3& p_to) const { return window_.At(from_.KeyAt(T_from_to_ * p_to)); }
 
  private:
   /// The surface keeps its place along its normal n: it lies support (2 place - 1) in front of the middle of
   /// the voxel that held it, and as told by the new place before the middle of the one that does now.
-  int8_t Replaced(int8_t held, const NodeKey& voxel, const Vec3& p_from) const {
+  int8_t Replaced(int8_t held, const NodeKey& voxel, const Vec3& p_from) {
     Vec3 inwards;
     for (int axis = 0; axis < 3; ++axis) {
-      const int8_t low = from_.At(Shifted(voxel, axis, -1)), high = from_.At(Shifted(voxel, axis, 1));
+      const int8_t low = window_.AtAny(Shifted(voxel, axis, -1)),
+                   high = window_.AtAny(Shifted(voxel, axis, 1));
       inwards[axis] = FrontOf(Field::Known(low) ? low : held) - FrontOf(Field::Known(high) ? high : held);
     }
     const double length = inwards.norm();
@@ -104,12 +82,26 @@ class Resampler {
   const OccupancyOctree& from_;
   const Pose T_from_to_;
   const double inverse_;
+  BlockWindow window_;
 };
 
-/// Blocks of `to` that meet known blocks of `from`, by chunk.
-std::map<uint64_t, BlockMask> BlocksReached(const SubmapOutline& from, const Pose& T_to_from,
-                                            const OccupancyOctree& to) {
-  std::map<uint64_t, BlockMask> reached;
+using Reached = std::map<uint64_t, BlockMask>;  ///< blocks by the codes of their chunks
+
+/// Blocks of `to` that meet known blocks of `from`.
+Reached BlocksReached(const SubmapOutline& from, const Pose& T_to_from, const OccupancyOctree& to) {
+  Reached reached;
+  // Neighbouring blocks reach the same few chunks.
+  struct Recent {
+    NodeKey chunk;
+    BlockMask* blocks = nullptr;
+  };
+  std::array<Recent, 8> recent;
+  const auto set = [&](const NodeKey& block) {
+    const NodeKey chunk = block.Up(kBlockLevel);
+    Recent& slot = recent[static_cast<size_t>((chunk.x & 1) | (chunk.y & 1) << 1 | (chunk.z & 1) << 2)];
+    if (slot.blocks == nullptr || !(slot.chunk == chunk)) slot = {chunk, &reached[ChunkCode(chunk)]};
+    slot.blocks->Set(BlockIndex(block.x, block.y, block.z));
+  };
   const Vec3 half = HalfSizeOfTurned(from.block_m, T_to_from);
   from.ForEachBlock([&](const Vec3& center_from) {
     const Vec3 center = T_to_from * center_from;
@@ -117,8 +109,7 @@ std::map<uint64_t, BlockMask> BlocksReached(const SubmapOutline& from, const Pos
                   high = to.KeyAt(center + half).Up(kBlockLevel);
     for (int z = low.z; z <= high.z; ++z) {
       for (int y = low.y; y <= high.y; ++y) {
-        for (int x = low.x; x <= high.x; ++x)
-          reached[ChunkCode(NodeKey{x, y, z}.Up(kBlockLevel))].Set(BlockIndex(x, y, z));
+        for (int x = low.x; x <= high.x; ++x) set({x, y, z});
       }
     }
   });
@@ -128,8 +119,8 @@ std::map<uint64_t, BlockMask> BlocksReached(const SubmapOutline& from, const Pos
 /// Fuses block by block of one chunk of `to`.
 class ChunkFusion {
  public:
-  ChunkFusion(const Resampler& from, FusionRule rule, OccupancyOctree* to, Chunk* chunk)
-      : from_(from), rule_(rule), to_(*to), chunk_(chunk) {}
+  ChunkFusion(Resampler* from, FusionRule rule, OccupancyOctree* to, Chunk* chunk)
+      : from_(*from), rule_(rule), to_(*to), chunk_(chunk) {}
 
   void Fuse(int block) {
     const NodeKey offset = BlockOffset(block);
@@ -137,13 +128,12 @@ class ChunkFusion {
                         8 * (8 * chunk_->key.z + offset.z)};
     const double resolution_m = to_.resolution_m();
     const Vec3 low = resolution_m * Vec3(first.x, first.y, first.z);
-    const Resampler::Around around =
-        from_.AroundBlock(low.array() + 4.0 * resolution_m, kBlockSide * resolution_m);
-    if (around.one_value && !Field::Known(around.value)) return;
+    const BlockWindow& around = from_.MoveTo(low.array() + 4.0 * resolution_m, kBlockSide * resolution_m);
+    if (around.one_value() && !Field::Known(around.value())) return;
     const BlockKind kind = chunk_->Kind(block);
-    if (around.one_value && kind == BlockKind::kUniform) {
-      to_.MakeUniform(chunk_, block, Fused(chunk_->uniform.Get(block), around.value), 0);
-    } else if (around.finest == Resampler::Finest::kFine || kind == BlockKind::kFine) {
+    if (around.one_value() && kind == BlockKind::kUniform) {
+      to_.MakeUniform(chunk_, block, Fused(chunk_->uniform.Get(block), around.value()), 0);
+    } else if (around.finest() == BlockKind::kFine || kind == BlockKind::kFine) {
       Cells<kBlockVoxels>(block, &to_.MakeFine(chunk_, block, 0), [&](int i) {
         return from_.At(low + resolution_m * Vec3((i & 7) + 0.5, (i >> 3 & 7) + 0.5, (i >> 6) + 0.5));
       });
@@ -177,7 +167,7 @@ class ChunkFusion {
     return rule_ == FusionRule::kFirst && Field::Known(held) ? held : FusedValue(held, added);
   }
 
-  const Resampler& from_;
+  Resampler& from_;
   const FusionRule rule_;
   OccupancyOctree& to_;
   Chunk* const chunk_;
@@ -191,12 +181,30 @@ void SendUnasked(const OccupancyOctree& from, const Pose& T_to_from, FusionRule 
     if (level != 0 || !Field::Occupied(value)) return;
     const NodeKey at = to->KeyAt(T_to_from * from.CenterOf(voxel));
     for (int i = 0; i < 27; ++i) {
-      const NodeKey near{at.x + i % 3 - 1, at.y + i / 3 % 3 - 1, at.z + i / 9 - 1};
+      const int n = (i + 13) % 27;  // the one in the middle first
+      const NodeKey near{at.x + n % 3 - 1, at.y + n / 3 % 3 - 1, at.z + n / 9 - 1};
       if (from.KeyAt(T_from_to * to->CenterOf(near)) == voxel) return;
     }
     const int8_t held = to->At(at);
     if (rule == FusionRule::kAdd || !Field::Known(held)) to->Set(at, FusedValue(held, value));
   });
+}
+
+void FuseEvidence(const OccupancyOctree& from, const Pose& T_to_from, FusionRule rule, const Reached& reached,
+                  OccupancyOctree* to) {
+  Resampler resampler(from, T_to_from.inverse());
+  for (const auto& [code, blocks] : reached) {
+    ChunkFusion fusion(&resampler, rule, to, to->FindOrCreate(ChunkKeyOf(code)));
+    for (int block = 0; block < kChunkBlocks; ++block) {
+      if (blocks.Test(block)) fusion.Fuse(block);
+    }
+  }
+  SendUnasked(from, T_to_from, rule, to);
+  for (const auto& [code, blocks] : reached) {
+    Chunk* const chunk = to->Find(ChunkKeyOf(code));
+    to->Propagate(chunk, blocks);
+    if (!Field::NodeObserved(chunk->level6)) to->Erase(chunk->key);
+  }
 }
 
 }  // namespace
@@ -215,20 +223,13 @@ int8_t FusedValue(int8_t a, int8_t b) {
 }
 
 void FuseInto(const OctreeContents& from, const Pose& T_to_from, FusionRule rule, OctreeContents* to) {
-  const Resampler resampler(from.tree, T_to_from.inverse());
-  const std::map<uint64_t, BlockMask> reached = BlocksReached(OutlineOf(from), T_to_from, to->tree);
-  for (const auto& [code, blocks] : reached) {
-    Chunk* const chunk = to->tree.FindOrCreate(ChunkKeyOf(code));
-    ChunkFusion fusion(resampler, rule, &to->tree, chunk);
-    for (int block = 0; block < kChunkBlocks; ++block) {
-      if (blocks.Test(block)) fusion.Fuse(block);
-    }
-  }
-  SendUnasked(from.tree, T_to_from, rule, &to->tree);
-  for (const auto& [code, blocks] : reached) {
-    Chunk* const chunk = to->tree.Find(ChunkKeyOf(code));
-    to->tree.Propagate(chunk, blocks);
-    if (!Field::NodeObserved(chunk->level6)) to->tree.Erase(chunk->key);
+  const Reached reached = BlocksReached(OutlineOf(from), T_to_from, to->tree);
+  if (from.distances && to->distances) {
+    FuseDistances(*from.distances, T_to_from, reached, &*to->distances);
+    for (const auto& [code, blocks] : reached)
+      TellStates(*to->distances, ChunkKeyOf(code), blocks, &to->tree);
+  } else {
+    FuseEvidence(from.tree, T_to_from, rule, reached, &to->tree);
   }
   if (from.behind && to->behind) to->behind->Merge(*from.behind, T_to_from);
 }

@@ -18,9 +18,10 @@ enum class FusionRule {
 /// holes where lattices are turned to each other; here each voxel of `to` asks `from` what lies at its
 /// centre. Where in a voxel a surface lies is told anew for the voxel that now holds it, along the gradient
 /// of log-odds, so that resampling does not roughen surfaces. Cells stay as coarse as the finer of both
-/// submaps has them there; blocks that are free throughout keep the least free value. Summaries are current
+/// submaps has them there; blocks that are free throughout keep the least free value. Where both hold signed
+/// distances these are fused (FuseDistances), and tell the states anew. Summaries are current
 /// afterwards. The same bytes on any machine and number of threads.
-/// @pre both of one resolution; summaries of `from` current
+/// @pre both of one resolution and field (kFirst: `to` may lack distances); summaries of `from` current
 void FuseInto(const OctreeContents& from, const core::Pose& T_to_from, FusionRule rule, OctreeContents* to);
 
 }  // namespace atlas::mapping

@@ -1,5 +1,7 @@
 #include "mapping/atlas/submap_overlap.h"
 
+#include "mapping/atlas/block_window.h"
+#include "mapping/atlas/submap_outline.h"
 #include "mapping/octree/queries.h"
 
 namespace atlas::mapping {
@@ -10,35 +12,99 @@ using core::Pose;
 using core::Vec3;
 using Field = OccupancyField;
 
-/// Looks voxels up one after another, remembering the chunk of the last one.
-class NearbyVoxels {
+/// Voxels of `read` whose centres lie in voxels of `ref` that are known to be the same.
+class SameVoxels {
  public:
-  explicit NearbyVoxels(const OccupancyOctree& tree) : tree_(tree) {}
-  int8_t At(const NodeKey& voxel) {
-    const NodeKey key = voxel.Up(kChunkLevel);
-    if (!looked_up_ || !(key == key_)) {
-      chunk_ = tree_.Find(key);
-      key_ = key;
-      looked_up_ = true;
+  SameVoxels(const OccupancyOctree& read, const OccupancyOctree& ref, const Pose& T_ref_read)
+      : read_(read),
+        T_ref_read_(T_ref_read),
+        inverse_(1.0 / ref.resolution_m()),
+        half_block_(HalfSizeOfTurned(kBlockSide * read.resolution_m(), T_ref_read)),
+        chunks_(ref),
+        window_(ref) {}
+
+  uint64_t InChunk(const OccupancyOctree::Chunk& chunk) {
+    uint64_t same = 0;
+    for (int block = 0; block < kChunkBlocks; ++block) {
+      const NodeKey offset = BlockOffset(block);
+      const NodeKey at{8 * chunk.key.x + offset.x, 8 * chunk.key.y + offset.y, 8 * chunk.key.z + offset.z};
+      switch (chunk.Kind(block)) {
+        case BlockKind::kUniform:
+          same += InUniform(at, chunk.uniform.Get(block));
+          break;
+        case BlockKind::kCoarse:
+          same += InLeaf<4>(at, read_.Coarse(chunk, block).log_odds);
+          break;
+        case BlockKind::kFine:
+          same += InLeaf<8>(at, read_.Fine(chunk, block).log_odds);
+          break;
+      }
     }
-    if (chunk_ == nullptr) return Field::Unknown();
-    const int block = BlockIndexOf(voxel), index = VoxelIndex(voxel.x, voxel.y, voxel.z);
-    switch (chunk_->Kind(block)) {
-      case BlockKind::kUniform:
-        return chunk_->uniform.Get(block);
-      case BlockKind::kCoarse:
-        return tree_.Coarse(*chunk_, block).Get(CellOfVoxel(index));
-      case BlockKind::kFine:
-        break;
-    }
-    return tree_.Fine(*chunk_, block).Get(index);
+    return same;
   }
 
  private:
-  const OccupancyOctree& tree_;
-  const OccupancyOctree::Chunk* chunk_ = nullptr;
-  NodeKey key_;
-  bool looked_up_ = false;
+  static bool Same(int8_t a, int8_t b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
+
+  uint64_t InUniform(const NodeKey& block, int8_t value) {
+    if (!Field::Known(value)) return 0;
+    uint64_t same = 0;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 octant(2 * block.x + (i & 1), 2 * block.y + (i >> 1 & 1), 2 * block.z + (i >> 2));
+      const Vec3 p_ref = T_ref_read_ * (4.0 * read_.resolution_m() * (octant.array() + 0.5)).matrix();
+      if (Same(chunks_.At(VoxelKeyAt(p_ref, inverse_)), value)) same += 64;
+    }
+    return same;
+  }
+
+  /// Of a leaf of `kSide` cells a side.
+  template <int kSide>
+  uint64_t InLeaf(const NodeKey& block, const int8_t* cells) {
+    constexpr int kCells = kSide * kSide * kSide;
+    constexpr uint64_t kVoxels = kBlockVoxels / kCells;  // a cell
+    const double block_m = kBlockSide * read_.resolution_m();
+    const Vec3 center = T_ref_read_ * (block_m * (Vec3(block.x, block.y, block.z).array() + 0.5)).matrix();
+    window_.MoveTo(VoxelKeyAt(center - half_block_, inverse_).Up(kBlockLevel),
+                   VoxelKeyAt(center + half_block_, inverse_).Up(kBlockLevel));
+    uint64_t same = 0;
+    if (window_.one_value()) {
+      for (int i = 0; i < kCells; ++i) same += Same(cells[i], window_.value());
+      return kVoxels * same;
+    }
+    // The columns of the rotation times the coordinates of cells.
+    Vec3 by_x[kSide], by_y[kSide], by_z[kSide];
+    const double cell_m = block_m / kSide;
+    for (int i = 0; i < kSide; ++i) {
+      by_x[i] = T_ref_read_.linear().col(0) * (cell_m * (kSide * block.x + i + 0.5));
+      by_y[i] = T_ref_read_.linear().col(1) * (cell_m * (kSide * block.y + i + 0.5));
+      by_z[i] = T_ref_read_.linear().col(2) * (cell_m * (kSide * block.z + i + 0.5));
+    }
+    for (int row = 0; row < kSide * kSide; ++row) {
+      const Vec3 &of_y = by_y[row % kSide], &of_z = by_z[row / kSide];
+      for (int x = 0; x < kSide; ++x) {
+        const int8_t value = cells[row * kSide + x];
+        if (Field::Known(value))
+          same += Same(window_.At(KeyOf(by_x[x] + of_y + of_z + T_ref_read_.translation())), value);
+      }
+    }
+    return kVoxels * same;
+  }
+
+  NodeKey KeyOf(const Vec3& p_ref) const {
+    const auto floored = [&](double m) {
+      const double voxels = m * inverse_;
+      const auto truncated = static_cast<int32_t>(voxels);
+      return truncated - (voxels < truncated);
+    };
+    return {floored(p_ref.x()), floored(p_ref.y()), floored(p_ref.z())};
+  }
+
+  const OccupancyOctree& read_;
+  const Pose T_ref_read_;
+  const double inverse_;
+  const Vec3 half_block_;
+  NearbyChunks chunks_;
+  BlockWindow window_;
 };
 
 }  // namespace
@@ -52,22 +118,9 @@ uint64_t KnownVoxels(const OccupancyOctree& tree) {
 SubmapOverlap OverlapOf(const OccupancyOctree& read, uint64_t known_read, const OccupancyOctree& ref,
                         uint64_t known_ref, const Pose& T_ref_read) {
   if (known_read == 0 || known_ref == 0) return {};
-  NearbyVoxels nearby(ref);
-  const double resolution_m = read.resolution_m(), inverse = 1.0 / ref.resolution_m();
-  const auto same_at = [&](const Vec3& p_read, int8_t value) {
-    const int8_t other = nearby.At(VoxelKeyAt(T_ref_read * p_read, inverse));
-    return Field::Known(other) && Field::Occupied(other) == Field::Occupied(value);
-  };
+  SameVoxels voxels(read, ref, T_ref_read);
   uint64_t same = 0;
-  ForEachCell(read, [&](const NodeKey& key, int level, int8_t value) {
-    const int split = level == kBlockLevel ? 2 : 1;  // a side
-    const int side = (1 << level) / split;           // voxels
-    for (int i = 0; i < split * split * split; ++i) {
-      const Vec3 at(split * key.x + (i & 1), split * key.y + (i >> 1 & 1), split * key.z + (i >> 2));
-      if (same_at(resolution_m * side * (at.array() + 0.5), value))
-        same += static_cast<uint64_t>(side) * static_cast<uint64_t>(side * side);
-    }
-  });
+  for (const OccupancyOctree::Chunk* chunk : read.Chunks()) same += voxels.InChunk(*chunk);
   const auto n = static_cast<double>(same);
   return {n / static_cast<double>(known_read), n / static_cast<double>(known_ref)};
 }

@@ -133,17 +133,7 @@ template <typename Field>
 typename Field::Value Octree<Field>::At(const NodeKey& voxel) const {
   const Chunk* chunk = Find(voxel.Up(kChunkLevel));
   if (chunk == nullptr) return Field::Unknown();
-  const int block = BlockIndexOf(voxel);
-  const int index = VoxelIndex(voxel.x, voxel.y, voxel.z);
-  switch (chunk->Kind(block)) {
-    case BlockKind::kUniform:
-      return chunk->uniform.Get(block);
-    case BlockKind::kCoarse:
-      return Coarse(*chunk, block).Get(CellOfVoxel(index));
-    case BlockKind::kFine:
-      return Fine(*chunk, block).Get(index);
-  }
-  return Field::Unknown();
+  return ValueIn(*chunk, BlockIndexOf(voxel), VoxelIndex(voxel.x, voxel.y, voxel.z));
 }
 
 template <typename Field>

@@ -99,6 +99,18 @@ class Octree {
   /// The value that holds for a voxel, at whatever scale it is stored; unknown where nothing is.
   Value At(const NodeKey& voxel) const;
   Value At(const core::Vec3& p) const { return At(KeyAt(p)); }
+  /// Of the voxel of that VoxelIndex in a block.
+  Value ValueIn(const Chunk& chunk, int block, int index) const {
+    switch (chunk.Kind(block)) {
+      case BlockKind::kUniform:
+        return chunk.uniform.Get(block);
+      case BlockKind::kCoarse:
+        return Coarse(chunk, block).Get(CellOfVoxel(index));
+      case BlockKind::kFine:
+        break;
+    }
+    return Fine(chunk, block).Get(index);
+  }
   /// Writes one voxel, splitting its block. Slow path for tests and loaders; mend summaries with Propagate.
   void Set(const NodeKey& voxel, Value value, int worker = 0);
 

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
+#include "core/rng.h"
 #include "mapping/octree/queries.h"
 #include "tests/support/room_sweep.h"
 
@@ -151,6 +153,44 @@ TEST(OverlapCloud, CountsPointsWithinTheDiagonalOfACell) {
   }
   EXPECT_EQ(cloud.ShareNear(std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {5, 0, 0}, {6, 0, 0}}), 0.5);
   EXPECT_EQ(cloud.ShareNear({}), 0.0);
+}
+
+TEST(OverlapCloud, FindsWhatAComparisonWithEachPointFinds) {
+  constexpr float kFilterM = 0.1f;
+  for (uint64_t seed = 0; seed < 6; ++seed) {
+    core::Rng rng(seed);
+    const auto drawn = [&](size_t n, double reach) {
+      std::vector<Vec3f> points;
+      for (size_t i = 0; i < n; ++i)
+        points.emplace_back(static_cast<float>(rng.Uniform(-reach, reach)),
+                            static_cast<float>(rng.Uniform(-reach, reach)),
+                            static_cast<float>(rng.Uniform(-reach, reach)));
+      return points;
+    };
+    OverlapCloud cloud(kFilterM);
+    std::vector<Vec3f> kept;
+    std::set<std::array<float, 3>> cells;
+    for (int part = 0; part < 3; ++part) {
+      const std::vector<Vec3f> points = drawn(700, 0.9);
+      cloud.Add(points);
+      for (const Vec3f& p : points) {
+        const Vec3f cell = (p / kFilterM).array().floor();
+        if (cells.insert({cell.x(), cell.y(), cell.z()}).second) kept.push_back(p);
+      }
+    }
+    ASSERT_EQ(cloud.size(), kept.size());
+    ASSERT_EQ(cloud.Points().size(), kept.size());
+    const std::vector<Vec3f> asked = drawn(2000, 1.3);
+    double near = 0.0;
+    for (const Vec3f& p : asked)
+      near += std::any_of(kept.begin(), kept.end(),
+                          [&](const Vec3f& q) { return (q - p).squaredNorm() < 3.0f * kFilterM * kFilterM; });
+    const double share = near / 2000.0;
+    EXPECT_GT(share, 0.2);
+    EXPECT_EQ(cloud.ShareNear(asked), share);
+    EXPECT_EQ(cloud.ShareNear(asked, share - 1e-9), share);
+    EXPECT_EQ(cloud.ShareNear(asked, share), 0.0);
+  }
 }
 
 }  // namespace

@@ -8,6 +8,9 @@
 #include <map>
 
 #include "core/rng.h"
+#include "mapping/atlas/block_window.h"
+#include "mapping/octree/queries.h"
+#include "tests/support/random_octree.h"
 
 namespace atlas::tests {
 namespace {
@@ -81,6 +84,67 @@ TEST(SubmapOverlap, CountsVolumeWhateverItIsStoredIn) {
   const SubmapOverlap overlap = OverlapOf(tree, 1032, half, 256, Pose::Identity());
   EXPECT_DOUBLE_EQ(overlap.of_read, 256.0 / 1032.0);
   EXPECT_DOUBLE_EQ(overlap.of_ref, 1.0);
+}
+
+/// Algorithm 2, a look at the tree for each centre.
+SubmapOverlap OneByOne(const OccupancyOctree& read, const OccupancyOctree& ref, const Pose& T_ref_read) {
+  double same = 0.0;
+  ForEachCell(read, [&](const NodeKey& key, int level, int8_t value) {
+    const int parts = level == kBlockLevel ? 2 : 1, side = (1 << level) / parts;
+    for (int i = 0; i < parts * parts * parts; ++i) {
+      const Vec3 at(parts * key.x + (i & 1), parts * key.y + (i >> 1 & 1), parts * key.z + (i >> 2));
+      const int8_t other = ref.At(T_ref_read * (kVoxelM * side * (at.array() + 0.5)).matrix());
+      if (OccupancyField::Known(other) && (other > 0) == (value > 0)) same += std::pow(side, 3);
+    }
+  });
+  return {same / static_cast<double>(KnownVoxels(read)), same / static_cast<double>(KnownVoxels(ref))};
+}
+
+TEST(SubmapOverlap, BlockByBlockIsAsVoxelByVoxel) {
+  for (uint64_t seed = 0; seed < 8; ++seed) {
+    OccupancyOctree read(kVoxelM), ref(kVoxelM);
+    VoxelMap<OccupancyField> unused;
+    FillAtRandom<OccupancyField>(seed, 60, &read, &unused);
+    FillAtRandom<OccupancyField>(100 + seed, 60, &ref, &unused);
+    core::Rng rng(seed);
+    const auto turn = [&](double most) { return seed == 0 ? 0.0 : rng.Uniform(-most, most); };
+    const Pose T = core::MakePose(core::RotationFromYawPitchRoll(turn(3.0), turn(0.3), turn(0.3)),
+                                  Vec3(turn(4.0), turn(4.0), turn(2.0)));
+    const SubmapOverlap found = OverlapOf(read, KnownVoxels(read), ref, KnownVoxels(ref), T),
+                        expected = OneByOne(read, ref, T);
+    EXPECT_EQ(found.of_read, expected.of_read) << seed;
+    EXPECT_EQ(found.of_ref, expected.of_ref) << seed;
+    EXPECT_GT(found.of_read, 0.02) << seed;
+  }
+}
+
+TEST(BlockWindow, HoldsWhatTheTreeHolds) {
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    OccupancyOctree tree(kVoxelM);
+    VoxelMap<OccupancyField> voxels;
+    FillAtRandom<OccupancyField>(seed, 60, &tree, &voxels);
+    BlockWindow window(tree);
+    core::Rng rng(seed);
+    for (int i = 0; i < 300; ++i) {
+      const auto draw = [&] { return rng.UniformInt(20) - 10; };
+      const NodeKey low{draw(), draw(), draw()},
+          high{low.x + rng.UniformInt(3), low.y + rng.UniformInt(3), low.z + rng.UniformInt(3)};
+      window.MoveTo(low, high);
+      bool one_value = true, outside = false;
+      for (int k = 0; k < 60; ++k) {
+        const NodeKey voxel{8 * low.x - 4 + rng.UniformInt(32), 8 * low.y - 4 + rng.UniformInt(32),
+                            8 * low.z - 4 + rng.UniformInt(32)};
+        const int8_t held = ValueIn<OccupancyField>(voxels, voxel);
+        ASSERT_EQ(window.AtAny(voxel), held);
+        outside = outside || !window.Holds(voxel.Up(kBlockLevel));
+        if (!window.Holds(voxel.Up(kBlockLevel))) continue;
+        ASSERT_EQ(window.At(voxel), held);
+        one_value = one_value && held == window.value();
+      }
+      EXPECT_TRUE(outside);
+      EXPECT_TRUE(one_value || !window.one_value());
+    }
+  }
 }
 
 TEST(SubmapOverlap, FreeAndOccupiedAreNotTheSame) {
