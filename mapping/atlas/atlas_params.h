@@ -7,10 +7,11 @@ namespace atlas::mapping {
 
 struct AtlasParams {
   double lambda_odom_m = 30.0;  ///< thesis 4.7.1: a submap takes keyframes up to this far along the graph
-  double cloud_overlap = 0.75;  ///< thesis 4.7.3: and while this share of their returns is near its cloud
+  double cloud_overlap = 0.6;   ///< thesis 4.7.3: and while this share of their returns is near its cloud
   double cloud_filter_m = 0.1;  ///< r_filter of Algorithm 1
-  bool reentry = true;          ///< an older submap that a keyframe fits is taken up again
-  double fusion_overlap = 0.7;  ///< thesis 4.8.2, lambda_fusion, of either volume
+  double doorway_m = 2.0;  ///< widest opening that ends a submap where the sensor passes it; 0: none does
+  bool reentry = true;     ///< an older submap that a keyframe fits is taken up again
+  double fusion_overlap = 0.7;       ///< thesis 4.8.2, lambda_fusion, of either volume
   double fusion_overlap_both = 0.3;  ///< and of both volumes
   double fusion_range_m = 0.0;       ///< between the nearest keyframes of two submaps that may become one
   double lambda_cluster_m = 0.0;     ///< thesis 4.7.1, 4.8.1: along the graph from the ends of a loop

@@ -95,9 +95,10 @@ const SubmapOverlap& FusionSearch::OverlapOfPair(const Submap& a, const Submap& 
   return estimate.overlap;
 }
 
-bool FusionSearch::Overlaps(const SubmapOverlap& overlap) const {
+bool FusionSearch::Overlaps(const SubmapOverlap& overlap, bool separated) const {
   return GreaterOf(overlap) > params_.fusion_overlap &&
-         std::min(overlap.of_read, overlap.of_ref) >= params_.fusion_overlap_both;
+         std::min(overlap.of_read, overlap.of_ref) >=
+             (separated ? params_.fusion_overlap : params_.fusion_overlap_both);
 }
 
 /// @pre the pair has an estimate.
@@ -130,7 +131,8 @@ std::optional<FusionSearch::Pair> FusionSearch::NextByOverlap(const Submaps& sub
       if (submaps[a]->id == left_out || submaps[b]->id == left_out) continue;
       if (!InRange(*submaps[a], *submaps[b], poses)) continue;
       const SubmapOverlap& overlap = OverlapOfPair(*submaps[a], *submaps[b]);
-      if (Overlaps(overlap)) proposals.push_back({GreaterOf(overlap), {a, b}});
+      const bool separated = submaps[a]->beyond.count(submaps[b]->id) > 0;
+      if (Overlaps(overlap, separated)) proposals.push_back({GreaterOf(overlap), {a, b}});
     }
   }
   std::stable_sort(proposals.begin(), proposals.end(),

@@ -47,7 +47,8 @@ class FusionSearch {
   const SubmapOverlap& OverlapOfPair(const Submap& a, const Submap& b);
   bool Moved(const core::Pose& before, const core::Pose& now) const;
   bool InRange(const Submap& a, const Submap& b, const core::PoseSource& poses) const;
-  bool Overlaps(const SubmapOverlap& overlap) const;
+  /// Enough to become one, of two that a doorway separates or of others.
+  bool Overlaps(const SubmapOverlap& overlap, bool separated) const;
   bool MayFuse(const Submap& a, const Submap& b, const core::PoseSource& poses);
   uint64_t KnownVoxelsOf(const Submap& submap);
   void Forget(const Submaps& submaps);
