@@ -84,9 +84,9 @@ Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core:
   for (const auto& submap : submaps_) {
     if (submap.get() == active_ && !active_too) continue;
     if (!submap->Outline()->bounds.Contains(submap->T_map_submap.inverse() * keyframe.place_map)) continue;
-    const double below = std::nextafter(params_.cloud_overlap, 0.0);
+    const double below = std::nextafter(params_.reentry_overlap, 0.0);
     const double share = submap->BestCloud(keyframe.cloud_map, below).share;
-    if (share >= params_.cloud_overlap) fitting.emplace_back(share, submap.get());
+    if (share >= params_.reentry_overlap) fitting.emplace_back(share, submap.get());
   }
   std::stable_sort(fitting.begin(), fitting.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -50,10 +50,12 @@ void AtlasParams::Visit(core::ParamVisitor& v) {
        .doc = "a submap ends where the sensor passes a doorway up to this wide: uprights on both sides of "
               "its way, along at most 2 m of it; what lies on either side then becomes one only where "
               "both measured fusion_overlap; 0: off (thesis)"});
-  v.Field(
-      "reentry", &reentry,
-      {.doc = "a keyframe that the submap in use does not fit goes to the submap that its cloud overlaps "
-              "most, where that is cloud_overlap and sigma_max_m allows it; false: to a new one (thesis)"});
+  v.Field("reentry", &reentry,
+          {.doc = "a keyframe that the submap in use does not fit, or beyond a doorway, goes to the submap "
+                  "that its cloud overlaps most, where that is reentry_overlap and sigma_max_m allows it; "
+                  "false: to a new one (thesis)"});
+  v.Field("reentry_overlap", &reentry_overlap,
+          {.min = 0.0, .max = 1.0, .doc = "share of its cloud that takes a keyframe to an older submap"});
   VisitFusion(this, v);
   v.Field("sigma_max_m", &sigma_max_m,
           {.unit = "m",

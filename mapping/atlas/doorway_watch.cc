@@ -16,8 +16,11 @@ constexpr int kColumnPoints = 3;  ///< of an upright
 constexpr double kBelowM = 0.2, kAboveM = 0.7;
 constexpr double kOppositeCos = -0.5;  ///< 120 degrees
 constexpr double kStepM = 0.05;        ///< of the way
-constexpr double kDeepestM = 1.5;      ///< a narrow stretch that is longer is a corridor
-constexpr double kPastM = 0.1;         ///< beyond the middle of the near edges: half of a thin wall
+constexpr double kJumpM = 5.0;     ///< from one revolution to the next; farther, nothing is known of the way
+constexpr double kDeepestM = 1.5;  ///< a narrow stretch that is longer is a corridor
+constexpr double kApartM = 1.8;    ///< way between two doorways; sooner it is furniture beside one
+constexpr double kSameM = 0.5;     ///< unless the sensor turned and passes the same one again
+constexpr double kPastM = 0.1;     ///< beyond the middle of the near edges: half of a thin wall
 
 uint64_t ColumnCode(int x, int y) {
   return static_cast<uint64_t>(static_cast<uint32_t>(x)) << 32 | static_cast<uint32_t>(y);
@@ -75,6 +78,11 @@ bool DoorwayWatch::Move(const Vec3& p_odom_sensor) {
   last_ = to;
   const double way = (to - from).norm();
   if (way == 0.0) return false;
+  if (way > kJumpM) {
+    narrow_.reset();
+    passed_at_.reset();
+    return false;
+  }
   bool passed = false;
   const int steps = std::max(1, static_cast<int>(std::ceil(way / kStepM)));
   // Out and in again within one move is nothing.
@@ -91,6 +99,7 @@ bool DoorwayWatch::OpensAhead(const Vec2& p, const Vec2& direction) const {
 }
 
 bool DoorwayWatch::Step(const Vec2& p, const Vec2& direction, double step_m) {
+  since_m_ += step_m;
   const auto opening = uprights_.OpeningAt(p, widest_m_);
   if (opening && !narrow_) narrow_ = Narrow{p, opening->middle, direction};
   if (!narrow_) return false;
@@ -104,8 +113,14 @@ bool DoorwayWatch::Step(const Vec2& p, const Vec2& direction, double step_m) {
   } else if (!narrow.beyond && past >= kPastM && (p - narrow.begin).norm() >= kPastM) {
     passed = narrow.beyond = narrow.way_m <= kDeepestM && (!opening || OpensAhead(p, direction));
   }
+  const Vec2 middle = narrow.middle;
   if (!opening) narrow_.reset();
-  return passed;
+  if (!passed) return false;
+  const bool is_same = passed_at_ && (*passed_at_ - middle).norm() < kSameM;
+  if (passed_at_ && since_m_ < kApartM && !is_same) return false;
+  passed_at_ = middle;
+  since_m_ = 0.0;
+  return true;
 }
 
 }  // namespace atlas::mapping

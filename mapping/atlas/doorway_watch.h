@@ -68,6 +68,9 @@ class DoorwayWatch {
   Uprights uprights_;
   std::optional<core::Vec2> last_;
   std::optional<Narrow> narrow_;
+  /// The doorway passed last, and the way since.
+  std::optional<core::Vec2> passed_at_;
+  double since_m_ = 0.0;
 };
 
 }  // namespace atlas::mapping
