@@ -83,6 +83,7 @@ Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core:
   std::vector<std::pair<double, Submap*>> fitting;
   for (const auto& submap : submaps_) {
     if (submap.get() == active_ && !active_too) continue;
+    if (!search_.OnOneLevel(submap->root, keyframe.id, poses)) continue;
     if (!submap->Outline()->bounds.Contains(submap->T_map_submap.inverse() * keyframe.place_map)) continue;
     const double below = std::nextafter(params_.reentry_overlap, 0.0);
     const double share = submap->BestCloud(keyframe.cloud_map, below).share;
@@ -123,7 +124,8 @@ void Atlas::Assign(const core::AnchoredSpin& spin, bool beyond_doorway, const co
   const double overlap = match.share;
   const bool near = travelled_m_ <= params_.lambda_odom_m,
              overlaps = overlap >= params_.cloud_overlap || doorways_.InNarrow();
-  if (active_ == nullptr || !near || !overlaps || beyond_doorway) {
+  const bool on_level = active_ == nullptr || search_.OnOneLevel(active_->root, keyframe.id, poses);
+  if (active_ == nullptr || !near || !overlaps || !on_level || beyond_doorway) {
     Submap* next = Fitting(keyframe, /*active_too=*/!near && !beyond_doorway, poses);
     if (next == nullptr) {
       next = Spawn(keyframe.id, poses);

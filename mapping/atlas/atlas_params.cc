@@ -50,6 +50,12 @@ void AtlasParams::Visit(core::ParamVisitor& v) {
        .doc = "a submap ends where the sensor passes a doorway up to this wide: uprights on both sides of "
               "its way, along at most 2 m of it; what lies on either side then becomes one only where "
               "both measured fusion_overlap; 0: off (thesis)"});
+  v.Field("level_m", &level_m,
+          {.unit = "m",
+           .min = 0.0,
+           .max = 100.0,
+           .doc = "a submap holds no keyframe, and becomes one with no submap, whose height differs from its "
+                  "root's by more: half a storey keeps storeys apart; 0: any (thesis)"});
   v.Field("reentry", &reentry,
           {.doc = "a keyframe that the submap in use does not fit, or beyond a doorway, goes to the submap "
                   "that its cloud overlaps most, where that is reentry_overlap and sigma_max_m allows it; "

@@ -10,6 +10,7 @@ struct AtlasParams {
   double cloud_overlap = 0.6;   ///< thesis 4.7.3: and while this share of their returns is near its cloud
   double cloud_filter_m = 0.1;  ///< r_filter of Algorithm 1
   double doorway_m = 2.0;  ///< widest opening that ends a submap where the sensor passes it; 0: none does
+  double level_m = 0.0;    ///< between the heights of what a submap holds and its root; 0: any
   bool reentry = true;     ///< an older submap that a keyframe fits is taken up again
   double reentry_overlap = 0.7;       ///< where this share of the keyframe's returns is near its cloud
   double fusion_overlap = 0.7;        ///< thesis 4.8.2, lambda_fusion, of either volume

@@ -32,6 +32,8 @@ class FusionSearch {
   /// The first two with keyframes about one loop (thesis 4.8.1) that are sure enough.
   std::optional<Pair> NextByLoop(const Submaps& submaps, const core::PoseSource& poses);
 
+  /// Whether two keyframes lie on one level, by `level_m`.
+  bool OnOneLevel(core::KeyframeId a, core::KeyframeId b, const core::PoseSource& poses) const;
   /// Whether two keyframes are sure enough of each other for what hangs on them to become one (thesis 4.9).
   bool SureEnough(core::KeyframeId a, core::KeyframeId b, const core::PoseSource& poses) const;
 

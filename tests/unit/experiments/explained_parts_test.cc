@@ -210,6 +210,7 @@ TEST(ExplainedParts, OfEveryMapperAct) {
       {}, "", "SeAtlasMap.BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls"};
   settings["mapper.reentry"] = {{no_overlap}};
   settings["mapper.doorway_m"] = {{}, "", "AtlasDoorways.EachRoomHasASubmapHoweverOftenItIsEntered"};
+  settings["mapper.level_m"] = {{}, "", "AtlasFusion.WhatLiesOnAnotherLevelIsNeitherTakenUpNorFused"};
   settings["mapper.reentry_overlap"] = {{}, "", "AtlasDoorways.WhatIsNotTakenUpAgainBeginsAnew"};
   settings["mapper.fusion_overlap"] = {{apart, stay}, "0"};
   settings["mapper.fusion_overlap_both"] = {{apart, stay}, "1"};
