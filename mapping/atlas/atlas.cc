@@ -20,6 +20,8 @@ using core::Vec3f;
 /// What is kept of a submap reaches this far past the box in the map frame, so that a correction brings in
 /// what lay just outside.
 constexpr double kKeepMarginM = 1.0;
+/// A keyframe so near before a doorway sees as much of what lies beyond it.
+constexpr double kBeforeDoorwayM = 1.0;
 
 Box3 Everywhere() {
   return TraceLimits{}.box_map;
@@ -100,6 +102,7 @@ Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core:
 void Atlas::TakeUp(Submap* next, bool beyond_doorway, const core::PoseSource& poses) {
   Submap* const left = active_;
   travelled_m_ = 0.0;
+  by_doorway_ = beyond_doorway;
   Activate(next);
   if (left == nullptr || left == next) return;
   if (beyond_doorway) {
@@ -126,7 +129,9 @@ void Atlas::Assign(const core::AnchoredSpin& spin, bool beyond_doorway, const co
              overlaps = overlap >= params_.cloud_overlap || doorways_.InNarrow();
   const bool on_level = active_ == nullptr || search_.OnOneLevel(active_->root, keyframe.id, poses);
   if (active_ == nullptr || !near || !overlaps || !on_level || beyond_doorway) {
-    Submap* next = Fitting(keyframe, /*active_too=*/!near && !beyond_doorway, poses);
+    // Where overlap gave way just before a doorway, the submap beyond it may be in use already.
+    const bool just_taken_up = beyond_doorway && !by_doorway_ && travelled_m_ < kBeforeDoorwayM;
+    Submap* next = Fitting(keyframe, /*active_too=*/beyond_doorway ? just_taken_up : !near, poses);
     if (next == nullptr) {
       next = Spawn(keyframe.id, poses);
       next->overlap = overlap;
