@@ -104,11 +104,16 @@ void Atlas::TakeUp(Submap* next, bool beyond_doorway, const core::PoseSource& po
   travelled_m_ = 0.0;
   by_doorway_ = beyond_doorway;
   Activate(next);
-  if (left == nullptr || left == next) return;
   if (beyond_doorway) {
-    left->beyond.insert(next->id);
-    next->beyond.insert(left->id);
+    for (const auto& submap : submaps_) {
+      if (same_side_.count(submap->id) == 0 || submap.get() == next) continue;
+      submap->beyond.insert(next->id);
+      next->beyond.insert(submap->id);
+    }
+    same_side_.clear();
   }
+  same_side_.insert(next->id);
+  if (left == nullptr || left == next) return;
   Fuse(poses, active_->id);
 }
 
@@ -157,6 +162,7 @@ void Atlas::Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out
       if (submap->beyond.erase(younger->id) > 0 && submap.get() != older) submap->beyond.insert(older->id);
     }
     older->beyond.erase(older->id);
+    if (same_side_.erase(younger->id) > 0) same_side_.insert(older->id);
     submaps_.erase(submaps_.begin() + static_cast<std::ptrdiff_t>(pair->second));
     pager_->Trim();
   }

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/keyframe.h"
@@ -76,7 +77,8 @@ class Atlas {
   std::optional<core::AnchoredPoint> keyframe_;  ///< of the latest revolution; where the sensor was first
   double travelled_m_ = 0.0;                     ///< along keyframes, since the active submap was taken up
   DoorwayWatch doorways_;
-  bool by_doorway_ = false;  ///< the active submap was taken up
+  std::set<uint32_t> same_side_;  ///< ids of submaps in use since a doorway was passed last
+  bool by_doorway_ = false;       ///< the active submap was taken up
   uint64_t revolutions_ = 0;
   std::optional<uint64_t> version_;  ///< of the poses that submaps lie by
   UndistortedSpin rays_;
