@@ -24,6 +24,8 @@ using core::Vec3f;
 /// What is kept of a submap reaches this far past the box in the map frame, so that a correction brings in
 /// what lay just outside.
 constexpr double kKeepMarginM = 1.0;
+/// A keyframe so near before a doorway sees as much of what lies beyond it.
+constexpr double kBeforeDoorwayM = 1.0;
 
 Box3 Everywhere() {
   return TraceLimits{}.box_map;
@@ -33,6 +35,14 @@ std::vector<Vec3f> PointsOf(const UndistortedSpin& rays) {
   std::vector<Vec3f> points;
   for (const MapRay& hit : rays.hits) points.push_back(hit.origin_map + hit.range_m * hit.direction_map);
   return points;
+}
+
+std::vector<Vec3f> Moved(const std::vector<Vec3f>& points, const Pose& T) {
+  const Eigen::Isometry3f T_f = T.cast<float>();
+  std::vector<Vec3f> moved;
+  moved.reserve(points.size());
+  for (const Vec3f& p : points) moved.push_back(T_f * p);
+  return moved;
 }
 
 }  // namespace
@@ -48,7 +58,8 @@ Atlas::Atlas(const AtlasParams& params, const AtlasSetup& setup)
     : params_(params),
       setup_(setup),
       pager_(std::make_shared<ContentsPager>(static_cast<size_t>(1e6 * params.memory_limit_mb))),
-      search_(params) {
+      search_(params),
+      doorways_(params.doorway_m) {
   if (setup_.map.earlier) GoOnFrom(*std::exchange(setup_.map.earlier, nullptr));
 }
 Atlas::~Atlas() = default;
@@ -127,10 +138,11 @@ Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core:
   std::vector<std::pair<double, Submap*>> fitting;
   for (const auto& submap : submaps_) {
     if (submap.get() == active_ && !active_too) continue;
+    if (!search_.OnOneLevel(submap->root, keyframe.id, poses)) continue;
     if (!submap->Outline()->bounds.Contains(submap->T_map_submap.inverse() * keyframe.place_map)) continue;
-    const double below = std::nextafter(params_.cloud_overlap, 0.0);
+    const double below = std::nextafter(params_.reentry_overlap, 0.0);
     const double share = submap->BestCloud(keyframe.cloud_map, below).share;
-    if (share >= params_.cloud_overlap) fitting.emplace_back(share, submap.get());
+    if (share >= params_.reentry_overlap) fitting.emplace_back(share, submap.get());
   }
   std::stable_sort(fitting.begin(), fitting.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -140,32 +152,55 @@ Submap* Atlas::Fitting(const NewKeyframe& keyframe, bool active_too, const core:
   return nullptr;
 }
 
-void Atlas::Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses) {
+void Atlas::TakeUp(Submap* next, bool beyond_doorway, const core::PoseSource& poses) {
+  Submap* const left = active_;
+  travelled_m_ = 0.0;
+  by_doorway_ = beyond_doorway;
+  Activate(next);
+  if (beyond_doorway) {
+    for (const auto& submap : submaps_) {
+      if (same_side_.count(submap->id) == 0 || submap.get() == next) continue;
+      submap->beyond.insert(next->id);
+      next->beyond.insert(submap->id);
+    }
+    same_side_.clear();
+  }
+  same_side_.insert(next->id);
+  if (left == nullptr || left == next) return;
+  Fuse(poses, active_->id);
+}
+
+void Atlas::Assign(const core::AnchoredSpin& spin, bool beyond_doorway, const core::PoseSource& poses) {
   const Pose T_map_odom = spin.T_map_odom(poses);
   UndistortHits(*spin.spin, T_map_odom, &rays_);
   const NewKeyframe keyframe{spin.keyframe,
                              T_map_odom * spin.spin->T_odom_lidar.poses().front().T.translation(),
                              FilterCloud(PointsOf(rays_), params_.cloud_filter_m)};
-  if (keyframe_) travelled_m_ += (keyframe.place_map - keyframe_->p_map(poses)).norm();
+  doorways_.See(Moved(keyframe.cloud_map, T_map_odom.inverse()),
+                spin.spin->T_odom_lidar.poses().front().T.translation());
+  const bool is_new = !keyframe_ || keyframe_->keyframe != spin.keyframe;
+  if (keyframe_ && is_new) travelled_m_ += (keyframe.place_map - keyframe_->p_map(poses)).norm();
   Submap::CloudMatch match;
   if (active_ != nullptr) match = active_->BestCloud(keyframe.cloud_map);
   const double overlap = match.share;
-  const bool near = travelled_m_ <= params_.lambda_odom_m, overlaps = overlap >= params_.cloud_overlap;
-  if (active_ == nullptr || !near || !overlaps) {
-    Submap* const left = active_;
-    Submap* next = Fitting(keyframe, /*active_too=*/!near, poses);
+  const bool near = travelled_m_ <= params_.lambda_odom_m,
+             overlaps = overlap >= params_.cloud_overlap || doorways_.InNarrow();
+  const bool on_level = active_ == nullptr || search_.OnOneLevel(active_->root, keyframe.id, poses);
+  if (active_ == nullptr || !near || !overlaps || !on_level || beyond_doorway) {
+    // Where overlap gave way just before a doorway, the submap beyond it may be in use already.
+    const bool just_taken_up = beyond_doorway && !by_doorway_ && travelled_m_ < kBeforeDoorwayM;
+    Submap* next = Fitting(keyframe, /*active_too=*/beyond_doorway ? just_taken_up : !near, poses);
     if (next == nullptr) {
       next = Spawn(keyframe.id, poses);
       next->overlap = overlap;
     }
-    travelled_m_ = 0.0;
-    Activate(next);
-    if (left != nullptr && left != next) Fuse(poses, active_->id);
+    TakeUp(next, beyond_doorway, poses);
     match = active_->BestCloud(keyframe.cloud_map);
   }
+  active_->AddToCloud(match.cloud, keyframe.cloud_map);
+  if (!is_new) return;
   keyframe_ = {keyframe.id, poses.T_map_keyframe(keyframe.id).inverse() * keyframe.place_map};
   active_->keyframes.push_back({*keyframe_, poses.T_map_keyframe(keyframe.id)});
-  active_->AddToCloud(match.cloud, keyframe.cloud_map);
 }
 
 void Atlas::Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out) {
@@ -176,6 +211,11 @@ void Atlas::Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out
     Submap *const older = submaps_[pair->first].get(), *const younger = submaps_[pair->second].get();
     older->Absorb(younger);
     if (active_ == younger) Activate(older);
+    for (const auto& submap : submaps_) {
+      if (submap->beyond.erase(younger->id) > 0 && submap.get() != older) submap->beyond.insert(older->id);
+    }
+    older->beyond.erase(older->id);
+    if (same_side_.erase(younger->id) > 0) same_side_.insert(older->id);
     submaps_.erase(submaps_.begin() + static_cast<std::ptrdiff_t>(pair->second));
     pager_->Trim();
   }
@@ -183,7 +223,9 @@ void Atlas::Fuse(const core::PoseSource& poses, std::optional<uint32_t> left_out
 
 void Atlas::Integrate(const core::AnchoredSpin& spin, const core::PoseSource& poses) {
   Correct(poses);
-  if (!keyframe_ || spin.keyframe != keyframe_->keyframe) Assign(spin, poses);
+  const bool beyond_doorway = doorways_.Move(spin.spin->T_odom_lidar.poses().front().T.translation());
+  if (!keyframe_ || spin.keyframe != keyframe_->keyframe || beyond_doorway)
+    Assign(spin, beyond_doorway, poses);
   const Pose T_submap_odom = active_->T_map_submap.inverse() * spin.T_map_odom(poses);
   {
     const PagedContents::Writing contents = active_->contents.Write();

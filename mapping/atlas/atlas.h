@@ -12,11 +12,13 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/keyframe.h"
 #include "mapping/atlas/atlas_params.h"
 #include "mapping/atlas/atlas_view.h"
+#include "mapping/atlas/doorway_watch.h"
 #include "mapping/atlas/fusion_search.h"
 #include "mapping/atlas/saved_atlas.h"
 #include "mapping/atlas/submap.h"
@@ -54,8 +56,10 @@ class Atlas {
   void GoOnFrom(const SavedAtlas& earlier);
   std::vector<const Submap*> ByPrecedence() const;
   struct NewKeyframe;
-  /// Gives a new keyframe to the submap in use, or to an older or a new one (thesis 4.7.1, 4.7.3).
-  void Assign(const core::AnchoredSpin& spin, const core::PoseSource& poses);
+  /// Gives what begins with a revolution to the submap in use, or to an older or a new one (thesis 4.7.1,
+  /// 4.7.3): a new keyframe, or what of one lies beyond a doorway.
+  void Assign(const core::AnchoredSpin& spin, bool beyond_doorway, const core::PoseSource& poses);
+  void TakeUp(Submap* next, bool beyond_doorway, const core::PoseSource& poses);
   /// The submap that the keyframe overlaps most and is sure enough of; null where there is none.
   Submap* Fitting(const NewKeyframe& keyframe, bool active_too, const core::PoseSource& poses) const;
   Submap* Spawn(core::KeyframeId root, const core::PoseSource& poses);
@@ -77,6 +81,9 @@ class Atlas {
   std::unique_ptr<ScanIntegrator<TsdfField>> distance_integrator_;
   std::optional<core::AnchoredPoint> keyframe_;  ///< of the latest revolution; where the sensor was first
   double travelled_m_ = 0.0;                     ///< along keyframes, since the active submap was taken up
+  DoorwayWatch doorways_;
+  std::set<uint32_t> same_side_;  ///< ids of submaps in use since a doorway was passed last
+  bool by_doorway_ = false;       ///< the active submap was taken up
   uint64_t revolutions_ = 0;
   std::optional<uint64_t> version_;  ///< of the poses that submaps lie by
   UndistortedSpin rays_;

@@ -48,9 +48,25 @@ void AtlasParams::Visit(core::ParamVisitor& v) {
   v.Field("cloud_filter_m", &cloud_filter_m,
           {.unit = "m", .min = 0.02, .max = 2.0, .doc = "r_filter of cloud overlap (thesis Alg. 1)"});
   v.Field(
-      "reentry", &reentry,
-      {.doc = "a keyframe that the submap in use does not fit goes to the submap that its cloud overlaps "
-              "most, where that is cloud_overlap and sigma_max_m allows it; false: to a new one (thesis)"});
+      "doorway_m", &doorway_m,
+      {.unit = "m",
+       .min = 0.0,
+       .max = 10.0,
+       .doc = "a submap ends where the sensor passes a doorway up to this wide: uprights on both sides of "
+              "its way, along at most 2 m of it; what lies on either side then becomes one only where "
+              "both measured fusion_overlap; 0: off (thesis)"});
+  v.Field("level_m", &level_m,
+          {.unit = "m",
+           .min = 0.0,
+           .max = 100.0,
+           .doc = "a submap holds no keyframe, and becomes one with no submap, whose height differs from its "
+                  "root's by more: half a storey keeps storeys apart; 0: any (thesis)"});
+  v.Field("reentry", &reentry,
+          {.doc = "a keyframe that the submap in use does not fit, or beyond a doorway, goes to the submap "
+                  "that its cloud overlaps most, where that is reentry_overlap and sigma_max_m allows it; "
+                  "false: to a new one (thesis)"});
+  v.Field("reentry_overlap", &reentry_overlap,
+          {.min = 0.0, .max = 1.0, .doc = "share of its cloud that takes a keyframe to an older submap"});
   VisitFusion(this, v);
   v.Field("sigma_max_m", &sigma_max_m,
           {.unit = "m",

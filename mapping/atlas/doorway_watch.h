@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -24,8 +23,12 @@ class Uprights {
  public:
   /// Adds returns between 0.2 m below and 0.7 m above `height_m` (over tables, under lintels).
   void Add(std::span<const core::Vec3f> points, double height_m);
-  /// The width of the opening around a place, m; infinity where it is above `widest_m`.
-  double WidthAt(const core::Vec2& p, double widest_m) const;
+  struct Opening {
+    double width_m;
+    core::Vec2 middle;
+  };
+  /// The opening around a place; none where it is wider than `widest_m`.
+  std::optional<Opening> OpeningAt(const core::Vec2& p, double widest_m) const;
 
  private:
   struct Column {
@@ -43,19 +46,31 @@ class DoorwayWatch {
   /// What was seen from a keyframe, in the odometry's frame (z up); what was seen from the one before it is
   /// kept beside.
   void See(std::vector<core::Vec3f> points_odom, const core::Vec3& p_odom_sensor);
-  /// The sensor went on to a place. @returns whether it has just left a doorway by the other side.
+  /// The sensor went on to a place. @returns whether it has just passed the middle of a doorway.
   bool Move(const core::Vec3& p_odom_sensor);
+  /// Whether it is in a narrow stretch.
+  bool InNarrow() const { return narrow_.has_value(); }
 
  private:
+  /// A narrow stretch that the sensor is in.
   struct Narrow {
-    core::Vec2 from;
-    double way_m;
+    core::Vec2 begin;              ///< where it began
+    core::Vec2 middle, direction;  ///< of the opening as seen from there; of the way
+    double way_m = 0.0;
+    bool beyond = false;  ///< the sensor is on the far side
   };
+  bool Step(const core::Vec2& p, const core::Vec2& direction, double step_m);
+  /// Whether the way, if it goes straight on, comes into the open soon.
+  bool OpensAhead(const core::Vec2& p, const core::Vec2& direction) const;
+
   double widest_m_;
   std::vector<core::Vec3f> before_;
   Uprights uprights_;
   std::optional<core::Vec2> last_;
-  std::optional<Narrow> narrow_;  ///< that the sensor is in
+  std::optional<Narrow> narrow_;
+  /// The doorway passed last, and the way since.
+  std::optional<core::Vec2> passed_at_;
+  double since_m_ = 0.0;
 };
 
 }  // namespace atlas::mapping

@@ -45,6 +45,13 @@ bool FusionSearch::SureEnough(KeyframeId a, KeyframeId b, const PoseSource& pose
   return sigma_m && *sigma_m <= params_.sigma_max_m;
 }
 
+bool FusionSearch::OnOneLevel(KeyframeId a, KeyframeId b, const PoseSource& poses) const {
+  if (params_.level_m == 0.0) return true;
+  const double z_a = poses.T_map_keyframe(a).translation().z(),
+               z_b = poses.T_map_keyframe(b).translation().z();
+  return std::abs(z_a - z_b) <= params_.level_m;
+}
+
 bool FusionSearch::Moved(const Pose& before, const Pose& now) const {
   const Pose between = before.inverse() * now;
   return between.translation().norm() > params_.update_m ||
@@ -95,9 +102,10 @@ const SubmapOverlap& FusionSearch::OverlapOfPair(const Submap& a, const Submap& 
   return estimate.overlap;
 }
 
-bool FusionSearch::Overlaps(const SubmapOverlap& overlap) const {
+bool FusionSearch::Overlaps(const SubmapOverlap& overlap, bool separated) const {
   return GreaterOf(overlap) > params_.fusion_overlap &&
-         std::min(overlap.of_read, overlap.of_ref) >= params_.fusion_overlap_both;
+         std::min(overlap.of_read, overlap.of_ref) >=
+             (separated ? params_.fusion_overlap : params_.fusion_overlap_both);
 }
 
 /// @pre the pair has an estimate.
@@ -128,9 +136,11 @@ std::optional<FusionSearch::Pair> FusionSearch::NextByOverlap(const Submaps& sub
   for (size_t b = 1; b < submaps.size(); ++b) {
     for (size_t a = 0; a < b; ++a) {
       if (submaps[a]->id == left_out || submaps[b]->id == left_out) continue;
+      if (!OnOneLevel(submaps[a]->root, submaps[b]->root, poses)) continue;
       if (!InRange(*submaps[a], *submaps[b], poses)) continue;
       const SubmapOverlap& overlap = OverlapOfPair(*submaps[a], *submaps[b]);
-      if (Overlaps(overlap)) proposals.push_back({GreaterOf(overlap), {a, b}});
+      const bool separated = submaps[a]->beyond.count(submaps[b]->id) > 0;
+      if (Overlaps(overlap, separated)) proposals.push_back({GreaterOf(overlap), {a, b}});
     }
   }
   std::stable_sort(proposals.begin(), proposals.end(),
@@ -152,7 +162,8 @@ std::optional<FusionSearch::Pair> FusionSearch::NextByLoop(const Submaps& submap
         const Submap &first = *submaps[*a], &second = *submaps[*b];
         const auto [tried, is_new] = loop_tried_.try_emplace({first.id, second.id}, poses.version());
         if (!is_new && std::exchange(tried->second, poses.version()) == poses.version()) continue;
-        if (SureEnough(first.root, second.root, poses)) return Pair{*a, *b};
+        if (OnOneLevel(first.root, second.root, poses) && SureEnough(first.root, second.root, poses))
+          return Pair{*a, *b};
       }
     }
   }

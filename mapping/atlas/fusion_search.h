@@ -32,6 +32,8 @@ class FusionSearch {
   /// The first two with keyframes about one loop (thesis 4.8.1) that are sure enough.
   std::optional<Pair> NextByLoop(const Submaps& submaps, const core::PoseSource& poses);
 
+  /// Whether two keyframes lie on one level, by `level_m`.
+  bool OnOneLevel(core::KeyframeId a, core::KeyframeId b, const core::PoseSource& poses) const;
   /// Whether two keyframes are sure enough of each other for what hangs on them to become one (thesis 4.9).
   bool SureEnough(core::KeyframeId a, core::KeyframeId b, const core::PoseSource& poses) const;
 
@@ -47,7 +49,8 @@ class FusionSearch {
   const SubmapOverlap& OverlapOfPair(const Submap& a, const Submap& b);
   bool Moved(const core::Pose& before, const core::Pose& now) const;
   bool InRange(const Submap& a, const Submap& b, const core::PoseSource& poses) const;
-  bool Overlaps(const SubmapOverlap& overlap) const;
+  /// Enough to become one, of two that a doorway separates or of others.
+  bool Overlaps(const SubmapOverlap& overlap, bool separated) const;
   bool MayFuse(const Submap& a, const Submap& b, const core::PoseSource& poses);
   uint64_t KnownVoxelsOf(const Submap& submap);
   void Forget(const Submaps& submaps);

@@ -162,7 +162,8 @@ double OverlapCloud::ShareNear(std::span<const Vec3f> points, double above) cons
     if (static_cast<double>(near + points.size() - i) / all <= above) return 0.0;
     near += HasNear(points[i], &around);
   }
-  return points.empty() ? 0.0 : static_cast<double>(near) / all;
+  const double share = points.empty() ? 0.0 : static_cast<double>(near) / all;
+  return share > above ? share : 0.0;
 }
 
 std::vector<Vec3f> FilterCloud(std::span<const Vec3f> points, double filter_m) {

@@ -65,6 +65,7 @@ void Submap::Absorb(Submap* other) {
     cloud.T_submap_cloud = T_this_other * cloud.T_submap_cloud;
     clouds.push_back(std::move(cloud));
   }
+  beyond.insert(other->beyond.begin(), other->beyond.end());
   latest = std::max(latest, other->latest);
 }
 

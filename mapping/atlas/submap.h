@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <vector>
 
 #include "core/keyframe.h"
@@ -37,6 +38,7 @@ class Submap {
   std::vector<HeldKeyframe> keyframes;               ///< whose revolutions it holds, ascending
   PagedContents contents;
   std::vector<AccumulatedCloud> clouds;  ///< its own first
+  std::set<uint32_t> beyond;             ///< ids of submaps from or to which the sensor passed a doorway
   double overlap = 0.0;   ///< of its root's cloud with the submap in use before (thesis Alg. 1)
   uint64_t latest = 0;    ///< the atlas's count of revolutions when this submap last took one
   uint64_t revision = 0;  ///< counts changes of `contents`

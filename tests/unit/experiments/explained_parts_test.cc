@@ -209,6 +209,9 @@ TEST(ExplainedParts, OfEveryMapperAct) {
   settings["mapper.behind_surface_m"] = {
       {}, "", "SeAtlasMap.BehindSurfaceIsStoredInUnmeasuredVoxelsBehindWalls"};
   settings["mapper.reentry"] = {{no_overlap}};
+  settings["mapper.doorway_m"] = {{}, "", "AtlasDoorways.EachRoomHasASubmapHoweverOftenItIsEntered"};
+  settings["mapper.level_m"] = {{}, "", "AtlasFusion.WhatLiesOnAnotherLevelIsNeitherTakenUpNorFused"};
+  settings["mapper.reentry_overlap"] = {{}, "", "AtlasDoorways.WhatIsNotTakenUpAgainBeginsAnew"};
   settings["mapper.fusion_overlap"] = {{apart, stay}, "0"};
   settings["mapper.fusion_overlap_both"] = {{apart, stay}, "1"};
   settings["mapper.fusion_range_m"] = {{apart, stay}, "0.01"};

@@ -219,6 +219,21 @@ TEST_F(AtlasFusion, NorWhereReentryIsSwitchedOff) {
   EXPECT_EQ(count(), 3u);
 }
 
+TEST_F(AtlasFusion, WhatLiesOnAnotherLevelIsNeitherTakenUpNorFused) {
+  // Tall enough a room that the second keyframe would fit the first's submap.
+  for (const double level_m : {0.0, 0.2}) {
+    params.level_m = level_m;
+    T_map_keyframe[1].translation().z() = 0.3;
+    Start();
+    See(0, Vec3::Zero());
+    See(1, Vec3(0.0, 0.0, -0.3));
+    EXPECT_EQ(count(), level_m == 0.0 ? 1u : 2u);
+    ++version;
+    atlas->Correct(Poses());
+    EXPECT_EQ(count(), level_m == 0.0 ? 1u : 2u);
+  }
+}
+
 TEST_F(AtlasFusion, ALoopFusesWhatLiesAboutItsEnds) {
   params.fusion_overlap = 0.0;
   params.reentry = false;
