@@ -33,7 +33,7 @@ void VisitFusion(AtlasParams* p, core::ParamVisitor& v) {
 void AtlasParams::Visit(core::ParamVisitor& v) {
   v.Field(
       "field", &field,
-      {.one_of = {"occupancy", "tsdf"},
+      {.choices = {"occupancy", "tsdf"},
        .doc = "what submaps hold (thesis 4.5): log-odds, or signed distances, whose sign tells what is free "
               "where they have weight"});
   v.Field("lambda_odom_m", &lambda_odom_m,

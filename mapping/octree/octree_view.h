@@ -15,8 +15,8 @@ namespace atlas::mapping {
 struct OctreeContents {
   OccupancyOctree tree;
   std::optional<BehindSurface> behind = {};
-  /// Of a map of signed distances: what scans went into. `tree` then tells no more than which of its voxels are
-  /// free and which occupied.
+  /// Of a map of signed distances: what scans went into. `tree` then tells no more than which of its voxels
+  /// are free and which occupied.
   std::optional<TsdfOctree> distances = {};
 
   OctreeContents Clone() const {
