@@ -84,19 +84,11 @@ class SameVoxels {
       for (int x = 0; x < kSide; ++x) {
         const int8_t value = cells[row * kSide + x];
         if (Field::Known(value))
-          same += Same(window_.At(KeyOf(by_x[x] + of_y + of_z + T_ref_read_.translation())), value);
+          same += Same(window_.At(VoxelKeyAt(by_x[x] + of_y + of_z + T_ref_read_.translation(), inverse_)),
+                       value);
       }
     }
     return kVoxels * same;
-  }
-
-  NodeKey KeyOf(const Vec3& p_ref) const {
-    const auto floored = [&](double m) {
-      const double voxels = m * inverse_;
-      const auto truncated = static_cast<int32_t>(voxels);
-      return truncated - (voxels < truncated);
-    };
-    return {floored(p_ref.x()), floored(p_ref.y()), floored(p_ref.z())};
   }
 
   const OccupancyOctree& read_;
